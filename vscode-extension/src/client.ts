@@ -247,16 +247,15 @@ export class Server implements vscode.Disposable {
             });
           },
         },
-        // What is known of a task stands behind its verdict.
+        // The details stand behind the title.
         provideCodeLenses: async (document, token, next) => {
           const lenses = await next(document, token);
-          for (const { command } of lenses ?? []) {
-            const { tooltip } = (command?.arguments?.[0] ?? {}) as { tooltip?: string };
-            if (command !== undefined && tooltip !== undefined) {
-              command.tooltip = tooltip;
-            }
-          }
+          lenses?.forEach(withDetails);
           return lenses;
+        },
+        resolveCodeLens: async (lens, token, next) => {
+          const resolved = await next(lens, token);
+          return resolved && withDetails(resolved);
         },
         provideCodeActions: async (document, range, context, token, next) => {
           const actions = await next(document, range, context, token);
@@ -383,4 +382,13 @@ function forwardLog(stream: Readable, channel: vscode.LogOutputChannel): void {
 
 function text(error: unknown): string {
   return error instanceof Error ? error.message : String(error);
+}
+
+/** Shows the details of a lens when the pointer rests on it. */
+function withDetails(lens: vscode.CodeLens): vscode.CodeLens {
+  const { tooltip } = (lens.command?.arguments?.[0] ?? {}) as { tooltip?: string };
+  if (lens.command !== undefined && tooltip !== undefined) {
+    lens.command.tooltip = tooltip;
+  }
+  return lens;
 }

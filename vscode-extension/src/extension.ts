@@ -13,7 +13,7 @@ import { GenerateCommands, type Target as GenerateTarget } from './generate/comm
 import { IdlAssociation } from './idl';
 import { openManual } from './manual';
 import { showMenu } from './menu';
-import { createComponent } from './newComponent';
+import { createComponent, showNewComponent } from './newComponent';
 import { OfferedCommands } from './offered';
 import { InlineDiagrams } from './preview/inline';
 import { DiagramPreview } from './preview/panel';
@@ -87,7 +87,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     new IncludingRoot(it, context.workspaceState),
     new IdlAssociation(log),
     vscode.commands.registerCommand('dotgen.showMenu', () => showMenu(it)),
-    vscode.commands.registerCommand('dotgen.newComponent', () => createComponent(it)),
+    vscode.commands.registerCommand('dotgen.newComponent', () => createComponent(it, context.globalState)),
     vscode.commands.registerCommand('dotgen.openManual', () => openManual(context.extensionUri)),
     vscode.commands.registerCommand('dotgen.openWalkthrough', () => vscode.commands.executeCommand('workbench.action.openWalkthrough', 'dotgen.dotgen#start')),
     vscode.commands.registerCommand('dotgen.restartServer', () => it.restart()),
@@ -112,6 +112,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   void vscode.commands.executeCommand('setContext', 'dotgen.active', true);
   void tellRestricted(context.workspaceState);
   await it.start();
+  await showNewComponent(context.globalState);
 }
 
 export async function deactivate(): Promise<void> {

@@ -36,7 +36,7 @@ async function askInterfaces(known: InterfaceInfo[], title: string): Promise<rea
   return vscode.window.showQuickPick(items, {
     title,
     ignoreFocusOut: true,
-    placeHolder: 'Check the interfaces whose ports it has; none is an answer too',
+    placeHolder: 'Select the interfaces to provide or use, if any, then press OK',
     canPickMany: true,
     matchOnDescription: true,
   });
@@ -55,7 +55,19 @@ async function askFolder(open: vscode.WorkspaceFolder[], title: string): Promise
   return (await vscode.window.showOpenDialog({ canSelectFolders: true, canSelectFiles: false, title: 'Where the folder of the component goes' }))?.[0];
 }
 
-export async function createComponent(server: Server): Promise<void> {
+/** The specification to show when the window has opened the folder of its component. */
+const OPENED = 'openedComponent';
+
+/** Shows the component for which this window was opened. */
+export async function showNewComponent(state: vscode.Memento): Promise<void> {
+  const uri = state.get<string>(OPENED);
+  if (uri !== undefined && vscode.workspace.getWorkspaceFolder(vscode.Uri.parse(uri)) !== undefined) {
+    await state.update(OPENED, undefined);
+    await vscode.window.showTextDocument(vscode.Uri.parse(uri));
+  }
+}
+
+export async function createComponent(server: Server, state: vscode.Memento): Promise<void> {
   const client = server.running;
   if (client === undefined) {
     await notRunning(server);
@@ -64,7 +76,7 @@ export async function createComponent(server: Server): Promise<void> {
   const open = (vscode.workspace.workspaceFolders ?? []).filter((it) => it.uri.scheme === 'file');
   let known: InterfaceInfo[];
   try {
-    known = await client.sendRequest(interfaces, { folder: open[0]?.uri.toString() ?? '' });
+    known = await client.sendRequest(interfaces, {});
   } catch (error) {
     void vscode.window.showErrorMessage(error instanceof Error ? error.message : String(error));
     return;
@@ -115,7 +127,13 @@ export async function createComponent(server: Server): Promise<void> {
       void vscode.window.showErrorMessage(`The component was not written: a file of it is in ${folder.fsPath} already. Choose another name, or remove that folder.`);
       return;
     }
-    await vscode.window.showTextDocument(vscode.Uri.parse(made.files[0]?.uri ?? ''));
+    const specification = made.files[0]?.uri ?? '';
+    if ((vscode.workspace.workspaceFolders ?? []).length === 0) {
+      await state.update(OPENED, specification);
+      await vscode.commands.executeCommand('vscode.openFolder', folder);
+      return;
+    }
+    await vscode.window.showTextDocument(vscode.Uri.parse(specification));
     // Its step of the walkthrough is done now, and not when the questions begin: done, it takes the focus from them.
     await vscode.commands.executeCommand('setContext', 'dotgen.componentMade', true);
   } catch (error) {

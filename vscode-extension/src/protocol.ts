@@ -325,6 +325,6 @@ interface NewComponentParams {
   uses: { name: string; uri: string }[];
 }
 
-export const interfaces = new RequestType<{ folder: string }, InterfaceInfo[], void>('dotgen/interfaces');
+export const interfaces = new RequestType<Record<string, never>, InterfaceInfo[], void>('dotgen/interfaces');
 /** The files of a new component, the specification first. Nothing is written. */
 export const newComponent = new RequestType<NewComponentParams, { files: { uri: string; text: string }[] }, void>('dotgen/newComponent');

@@ -11,7 +11,7 @@ use smol_str::SmolStr;
 use super::{AccessKind, FileRange, FileView, inlay_hints::is_machine, references::references};
 use crate::{
     elab::{DefKind, Definition, Elaborated, Entity},
-    model::{Owner, Param, ParamDir, ParamSource, PathElement, ServiceKind, system::listed},
+    model::{Owner, Param, ParamDir, ParamSource, PathElement, ServiceKind},
     source_map::bytes,
 };
 
@@ -73,7 +73,16 @@ pub struct LensText {
     pub title: String,
     /// For accesses: their places.
     pub references: Vec<FileRange>,
+    /// For accesses: all names, a line for each declaration.
+    pub details: String,
 }
+
+/// Maximum number of lenses above a line. The details of the first have the others.
+const MOST_IN_A_LINE: usize = 3;
+
+/// Maximum number of characters of all lenses above a line: they fit beside the explorer of a window with a
+/// width of 1000 pixels.
+const LINE: usize = 90;
 
 /// The lenses of a file, by place.
 pub(crate) fn code_lenses(view: &FileView<'_>, config: &LensConfig) -> Vec<CodeLens> {
@@ -108,7 +117,18 @@ pub(crate) fn code_lenses(view: &FileView<'_>, config: &LensConfig) -> Vec<CodeL
         out.extend(kind.map(|kind| CodeLens { range, kind }));
     }
     out.sort_by_key(|lens| lens.range.start);
+    let lines: Vec<Range<usize>> = out.iter().map(|lens| line(view, lens.range.start)).collect();
+    let mut numbers =
+        (0..lines.len()).map(|i| lines[..i].iter().filter(|it| **it == lines[i]).count());
+    out.retain(|_| numbers.next().is_some_and(|number| number < MOST_IN_A_LINE));
     out
+}
+
+/// The line of an offset.
+fn line(view: &FileView<'_>, offset: usize) -> Range<usize> {
+    let text = view.text();
+    let start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
+    start..text[offset..].find('\n').map_or(text.len(), |at| offset + at)
 }
 
 fn machine(elaborated: &Elaborated, component: u32, owner: Owner, name: &str) -> Option<LensKind> {
@@ -140,16 +160,26 @@ impl Accesses {
     /// `written by a, b · read by c`
     fn text(&self) -> String {
         let part = |word: &str, all: &[SmolStr]| {
-            let names: Vec<String> = all.iter().map(|name| name.to_string()).collect();
-            (!names.is_empty()).then(|| format!("{word} {}", listed(&names, MANY)))
+            (!all.is_empty()).then(|| format!("{word} {}", all.join(", ")))
         };
         let parts = [part("written by", &self.written), part("read by", &self.read)];
         parts.into_iter().flatten().collect::<Vec<_>>().join(" · ")
     }
-}
 
-/// Maximum number of names in a lens.
-const MANY: usize = 3;
+    /// The text, or numbers if it has more characters: `2 writers · 1 reader`.
+    fn short(&self, most: usize) -> String {
+        let text = self.text();
+        if text.chars().count() <= most {
+            return text;
+        }
+        let part = |word: &str, number: usize| {
+            let plural = if number == 1 { "" } else { "s" };
+            (number > 0).then(|| format!("{number} {word}{plural}"))
+        };
+        let parts = [part("writer", self.written.len()), part("reader", self.read.len())];
+        parts.into_iter().flatten().collect::<Vec<_>>().join(" · ")
+    }
+}
 
 /// The users of a port or a member of the ids, in the component that declares it.
 fn accesses(elaborated: &Elaborated, definition: &Definition) -> Accesses {
@@ -219,45 +249,56 @@ fn home(elaborated: &Elaborated, definition: &Definition) -> Option<u32> {
 pub(crate) fn resolve(view: &FileView<'_>, kind: &LensKind) -> Option<LensText> {
     match kind {
         LensKind::Accesses { offset } => {
-            let elaborated = view.elaborated();
-            let mut all = elaborated.definitions.iter();
-            let definition = all.find(|definition| {
-                matches!(definition.kind, DefKind::Port | DefKind::IdsMember)
-                    && view.place(definition.src).is_some_and(|(file, place)| {
-                        file == view.file && bytes(place).start == *offset
-                    })
-            })?;
+            let shown = accesses_in_line(view, *offset);
+            let at = shown.iter().position(|entry| entry.0 == *offset)?;
             let mut found = references(view, *offset, true)?;
             found.retain(|reference| reference.access != AccessKind::Declaration);
-            let text = accesses(elaborated, definition).text();
-            let title = match shares_line(view, elaborated, *offset) {
-                true => format!("{}: {text}", definition.name),
-                false => text,
+            let (_, name, own) = &shown[at];
+            let most = LINE / shown.len().min(MOST_IN_A_LINE);
+            let title = if shown.len() > 1 {
+                format!("{name}: {}", own.short(most.saturating_sub(name.len() + 2)))
+            } else {
+                own.short(most)
             };
+            let told = if at == 0 { &shown[..] } else { &shown[at..=at] };
+            let details = told.iter().map(|(_, name, all)| format!("{name}: {}", all.text()));
             Some(LensText {
                 title,
                 references: found.into_iter().map(|reference| reference.place).collect(),
+                details: details.collect::<Vec<_>>().join("\n"),
             })
         }
-        LensKind::StateMachine { .. } => {
-            Some(LensText { title: "state machine".to_owned(), references: Vec::new() })
-        }
+        LensKind::StateMachine { .. } => Some(LensText {
+            title: "state machine".to_owned(),
+            references: Vec::new(),
+            details: String::new(),
+        }),
     }
 }
 
-/// Returns true if another port or member of the ids is declared on the line of an offset.
-fn shares_line(view: &FileView<'_>, elaborated: &Elaborated, offset: usize) -> bool {
-    let text = view.text();
-    let start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
-    let end = text[offset..].find('\n').map_or(text.len(), |at| offset + at);
-    let mut declared = elaborated.definitions.iter();
-    declared.any(|definition| {
-        matches!(definition.kind, DefKind::Port | DefKind::IdsMember)
-            && view.place(definition.src).is_some_and(|(file, place)| {
-                let at = bytes(place).start;
-                file == view.file && at != offset && (start..end).contains(&at)
-            })
-    })
+/// The ports and members of the ids with users that are declared in the line of an offset, by place.
+fn accesses_in_line<'v>(
+    view: &'v FileView<'_>,
+    offset: usize,
+) -> Vec<(usize, &'v SmolStr, Accesses)> {
+    let elaborated = view.elaborated();
+    let line = line(view, offset);
+    let mut out = Vec::new();
+    for definition in &elaborated.definitions {
+        if !matches!(definition.kind, DefKind::Port | DefKind::IdsMember) {
+            continue;
+        }
+        let place = view.place(definition.src).filter(|(file, _)| *file == view.file);
+        let at = place.map(|(_, place)| bytes(place).start);
+        if let Some(at) = at.filter(|at| line.contains(at)) {
+            let all = accesses(elaborated, definition);
+            if !all.is_empty() {
+                out.push((at, &definition.name, all));
+            }
+        }
+    }
+    out.sort_by_key(|entry| entry.0);
+    out
 }
 
 #[cfg(test)]
@@ -265,8 +306,19 @@ mod tests {
     use camino::Utf8Path;
     use expect_test::expect;
 
-    use super::LensConfig;
+    use super::{Accesses, LensConfig};
     use crate::test_support::Fixture;
+
+    #[test]
+    fn a_lens_that_is_long_has_numbers() {
+        let name = |name: &&str| smol_str::SmolStr::from(*name);
+        let accesses = Accesses {
+            written: ["calibrate", "restart"].iter().map(name).collect(),
+            read: vec!["supervise".into()],
+        };
+        assert_eq!(accesses.short(50), "written by calibrate, restart · read by supervise");
+        assert_eq!(accesses.short(48), "2 writers · 1 reader");
+    }
 
     #[test]
     fn lenses_and_what_they_say() {
@@ -276,8 +328,12 @@ typedef s u;
 component c {
   port in s p;
   port out s idle;
-  ids { long speed; long unused; };
+  ids {
+    long speed; long unused;
+    long c1, c2, c3, c4;
+  };
   attribute set(in speed);
+  attribute all_of_them(in c1, in c2, in c3, in c4);
   task t { period 10 ms; codel<start> f(port in p, in speed) wcet 1 ms yield pause::start; };
   function g() { interrupt g; };
   activity a() { task t; codel<start> h() yield ether; };
@@ -289,15 +345,21 @@ component c {
         let text = fixture.text("/main.gen");
         let mut out = String::new();
         for lens in analysis.code_lenses(path, &LensConfig::all(true)).unwrap() {
-            let title = analysis.resolve_lens(path, &lens.kind).unwrap().unwrap().title;
-            out += &format!("{}: {title}\n", &text[lens.range]);
+            let shown = analysis.resolve_lens(path, &lens.kind).unwrap().unwrap();
+            out += &format!("{}: {} [{}]\n", &text[lens.range], shown.title, shown.details);
         }
-        expect![[r#"
-            p: read by t
-            speed: speed: written by set · read by t
-            t: state machine
-            a: state machine
-        "#]]
+        expect![[r"
+            p: read by t [p: read by t]
+            speed: written by set · read by t [speed: written by set · read by t]
+            c1: c1: written by all_of_them [c1: written by all_of_them
+            c2: written by all_of_them
+            c3: written by all_of_them
+            c4: written by all_of_them]
+            c2: c2: written by all_of_them [c2: written by all_of_them]
+            c3: c3: written by all_of_them [c3: written by all_of_them]
+            t: state machine []
+            a: state machine []
+        "]]
         .assert_eq(&out);
     }
 }

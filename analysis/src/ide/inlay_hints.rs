@@ -225,7 +225,7 @@ impl Hints<'_, '_> {
         if !all.is_empty() {
             let tooltip = "Values of properties that are not given.".to_owned();
             let at = self.after_declaration(place.start);
-            self.push(at, InlayKind::Default, format!(" ‹by default {}›", all.join(", ")), tooltip);
+            self.push(at, InlayKind::Default, format!(" ‹default: {}›", all.join(", ")), tooltip);
         }
     }
 
@@ -290,12 +290,11 @@ impl Hints<'_, '_> {
             let steps: Vec<&str> =
                 chain.iter().map(|&chain| machine.at(chain).name.as_str()).collect();
             let mut tooltip = format!("Longest way to the next pause: {}.", steps.join(" → "));
-            let bound = match incomplete {
-                false => "≤",
-                true => {
-                    tooltip += " Some codel on the way has no `wcet` and counts as zero.";
-                    "≥"
-                }
+            let bound = if incomplete {
+                tooltip += " Some codel on the way has no `wcet` and counts as zero.";
+                "≥"
+            } else {
+                "≤"
             };
             let label = format!(" ‹turn {bound} {}›", quantity::time(sum));
             let at = self.after_declaration(place.start);
@@ -404,8 +403,7 @@ component c {
         assert!(ether.contains("yield pause::go;[ ‹stop → ether›]\n  };"), "{ether}");
         let defaults = shown(TEXT, InlayConfig { defaults: true, ..NONE });
         assert!(
-            defaults
-                .contains("component c {[ ‹by default clock rate 10 ms, language c, version 0›]"),
+            defaults.contains("component c {[ ‹default: clock rate 10 ms, language c, version 0›]"),
             "{defaults}"
         );
     }

@@ -112,9 +112,9 @@ export async function startServer({ node, codeServer, vsix, others = {} }) {
 
 /**
  * Opens a window on a copy of a workspace. `files` (text by name) are added to the copy; the folders `beside` are copied next to
- * it, under their names; `settings` are those of the folder.
+ * it, under their names; with `isEmpty` the window has no folder; `settings` are those of the folder.
  */
-export async function openWindow({ browser, server, workspace, beside = [], files = {}, settings = {}, shots }) {
+export async function openWindow({ browser, server, workspace, isEmpty = false, beside = [], files = {}, settings = {}, shots }) {
   const { user, origin } = server;
   const root = mkdtempSync(join(tmpdir(), 'workspace-'));
   const folder = below(root, 'workspace');
@@ -133,9 +133,9 @@ export async function openWindow({ browser, server, workspace, beside = [], file
   const consoleLines = [];
   page.on('console', (message) => consoleLines.push(`[${message.type()}] ${message.text()}`));
   page.on('pageerror', (error) => consoleLines.push(`[pageerror] ${error}`));
-  await page.goto(`${origin}/?folder=${encodeURIComponent(folder)}`);
+  await page.goto(isEmpty ? `${origin}/?ew=true` : `${origin}/?folder=${encodeURIComponent(folder)}`);
   await page.locator('.monaco-workbench').waitFor();
-  await page.locator('.explorer-folders-view .monaco-list-row').first().waitFor();
+  if (!isEmpty) await page.locator('.explorer-folders-view .monaco-list-row').first().waitFor();
 
   const wb = {
     page,

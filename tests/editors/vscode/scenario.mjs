@@ -1,7 +1,7 @@
 // Runs the scenarios in real workbenches, two side by side: `cargo xtask test vscode`, and with --demo the first part of the
 // first for `cargo xtask demo --check`. SCENARIO=name runs one of them, also one of bench/.
 //
-// A scenario is a module in scenarios/: `workspace` (a folder of examples/, or undefined: an empty one), `beside` (others it refers to), `files` (text by name, added to the copy of it),
+// A scenario is a module in scenarios/: `workspace` (a folder of examples/, or undefined: an empty one), `isEmpty` (the window has no folder), `beside` (others it refers to), `files` (text by name, added to the copy of it),
 // `settings` (the folder's), `others` (extensions that stand in for those of others), and `checks(wb)`, which gives pairs of name and function to run in their order, as `more` and
 // (proved by the demo as well, run first) `demo`, and as `skipped` the reason why it cannot run here.
 //
@@ -44,10 +44,10 @@ async function run(name) {
   const begun = Date.now();
   try {
     const scenario = await import(name.startsWith('bench/') ? `./${name}.mjs` : `./scenarios/${name}.mjs`);
-    const { workspace, beside = [], files, settings } = scenario;
+    const { workspace, isEmpty, beside = [], files, settings } = scenario;
     const example = (folder) => join(required('EXAMPLES'), folder);
     const server = await serverWith(scenario.others);
-    wb = await openWindow({ browser, server, workspace: workspace && example(workspace), beside: beside.map(example), files, settings, shots });
+    wb = await openWindow({ browser, server, isEmpty, workspace: workspace && example(workspace), beside: beside.map(example), files, settings, shots });
     const { demo: first = [], more = [], skipped: reason } = scenario.checks(wb);
     if (reason) skipped.push(`${name}: ${reason}`);
     const steps = demo ? first : [...first, ...more];

@@ -51,7 +51,7 @@ export async function askArguments(template: string, { options, usage }: Templat
   }));
   const picked = await vscode.window.showQuickPick(items, {
     title: `Generate: how ${template} works`,
-    placeHolder: 'Check what applies, then press OK; nothing is an answer too',
+    placeHolder: 'Select the options to use, then press OK',
     canPickMany: true,
     matchOnDescription: true,
   });

@@ -49,7 +49,7 @@ const BODY = `<header aria-label="Diagram"><h1 class="unseen">Diagram</h1>
 <label class="fsm system" title="What excludes each other: codels of a component, or at a port"><input type="checkbox" id="locks">Locks</label>
 <label class="system" title="Chains of data that scenarios ask for, with their times" hidden><input type="checkbox" id="chains">Chains</label>
 <label class="system" title="Which service interrupts which" hidden><input type="checkbox" id="interrupts">Interrupts</label>
-<button class="fsm" id="way" aria-pressed="false" title="Choose states one after the other: how long does the way through them execute? (p, or Shift and click)">Way</button>
+<button class="fsm" id="way" aria-pressed="false" title="Choose states one after the other: how long does the path through them execute? (p, or Shift and click)">Path</button>
 <button class="system" id="arrange" title="Everything where it is laid out, as much of it as at first" hidden>Arrange</button>
 <input type="search" id="search" placeholder="Find" title="Find (/)" aria-label="Find in the diagram"><span id="found" role="status"></span>
 <span class="group">${ZOOM_BUTTONS}</span>

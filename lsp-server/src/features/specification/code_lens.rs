@@ -29,13 +29,9 @@ pub(crate) fn handle(
         return Ok(None);
     };
     let config = &snapshot.config.code_lens;
-    let verdicts = match config.verdicts {
-        true => verification::lenses(snapshot, subject)?,
-        false => Vec::new(),
-    };
-    let mut lenses = snapshot.analysis.code_lenses(&subject.path, config)?;
-    // One lens for a task: the verdict on its time, else the link to its state machine.
-    lenses.retain(|lens| !verdicts.iter().any(|(at, _)| *at == lens.range.start));
+    let verdicts =
+        if config.verdicts { verification::lenses(snapshot, subject)? } else { Vec::new() };
+    let lenses = snapshot.analysis.code_lenses(&subject.path, config)?;
     let convert = lenses.into_iter().map(|lens| CodeLens {
         range: lines.range(&lens.range),
         command: None,
@@ -46,7 +42,7 @@ pub(crate) fn handle(
         })),
     });
     let ready = runs::lenses(snapshot, subject)?.into_iter().chain(verdicts);
-    Ok(Some(convert.chain(ready.map(|lens| lens.1)).collect()))
+    Ok(Some(ready.map(|lens| lens.1).chain(convert).collect()))
 }
 
 /// Adds the title and command to a lens.
@@ -57,9 +53,10 @@ pub(crate) fn resolve(snapshot: &Snapshot, lens: &CodeLens) -> Cancellable<Optio
     };
     // Offsets of another version are invalid; the client asks again after a change.
     let version = snapshot.open.get(&data.path).map(|file| file.version);
-    let text = match version == data.version {
-        true => snapshot.analysis.resolve_lens(&data.path, &data.lens)?,
-        false => None,
+    let text = if version == data.version {
+        snapshot.analysis.resolve_lens(&data.path, &data.lens)?
+    } else {
+        None
     };
     let uri = snapshot.uri(&data.path);
     let (Some(text), Some(uri)) = (text, uri) else {
@@ -78,9 +75,15 @@ pub(crate) fn resolve(snapshot: &Snapshot, lens: &CodeLens) -> Cancellable<Optio
                 locations.extend(snapshot.location(&reference.path, &reference.range)?);
             }
             let position = lens.range.start;
-            (SHOW_REFERENCES, json!({ "uri": uri, "position": position, "locations": locations }))
+            let argument = json!({
+                "uri": uri,
+                "position": position,
+                "locations": locations,
+                "tooltip": text.details,
+            });
+            (SHOW_REFERENCES, argument)
         }
-        _ => ("", json!(null)),
+        LensKind::Accesses { .. } => ("", json!(null)),
     };
     let arguments = (!command.is_empty()).then(|| vec![argument]);
     Ok(Some(CodeLens {

@@ -48,7 +48,7 @@ pub(crate) fn lenses(
             let mut details = details(entry, task.id);
             if about.len() > 1 {
                 let name = &entry.problem.scenario.name;
-                title += &format!(" · {name}");
+                title += &format!(" · scenario {name}");
                 details.insert(0, format!("scenario `{name}`"));
             }
             let mut argument = match shown(entry, task.id) {
@@ -137,9 +137,10 @@ pub(crate) fn scenario_lenses(
         }
         for (range, words, check) in titles {
             let title = words.join(" | ");
-            let argument = match has_refuting_run(&answer.report.checks[check]) {
-                true => refuting_run(uri, check),
-                false => argument(uri, Some(check)),
+            let argument = if has_refuting_run(&answer.report.checks[check]) {
+                refuting_run(uri, check)
+            } else {
+                argument(uri, Some(check))
             };
             out.push(lens(snapshot, lines.range(&range), title, argument));
         }
@@ -154,9 +155,10 @@ fn lens(
     argument: Value,
 ) -> CodeLens {
     // Clients without the panel get text alone.
-    let command = match snapshot.client.verification_status {
-        true => Command::new(title, SHOW_VERIFICATION.to_owned(), Some(vec![argument])),
-        false => Command::new(title, String::new(), None),
+    let command = if snapshot.client.verification_status {
+        Command::new(title, SHOW_VERIFICATION.to_owned(), Some(vec![argument]))
+    } else {
+        Command::new(title, String::new(), None)
     };
     CodeLens { range, command: Some(command), data: None }
 }
@@ -189,7 +191,12 @@ fn whole(entry: &Entry) -> String {
     };
     match (entry.settled(), entry.known()) {
         (Some(answer), _) => {
-            format!("{text} · {} states, {:.2} s", answer.report.states, answer.report.seconds)
+            let states = match answer.report.states {
+                0 => String::new(),
+                1 => " · 1 state".to_owned(),
+                states => format!(" · {states} states"),
+            };
+            format!("{text}{states} · {:.2} s", answer.report.seconds)
         }
         (None, Some(answer)) => format!("{text} · {}", answer.report.how_far()),
         (None, None) => text,
@@ -197,7 +204,7 @@ fn whole(entry: &Entry) -> String {
 }
 
 /// Shown for a task without jobs.
-const NEVER: &str = "never released";
+const NEVER: &str = "never runs";
 
 /// The first sign of a verdict, the worst first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -272,7 +279,7 @@ fn verdict(entry: &Entry, task: DeclaredTask) -> Option<(Mark, String)> {
     if let Some(check) = first(Verdict::Conditional) {
         return say(Mark::Unsettled, &and_measured(&ground::short(&check.report.conditions)));
     }
-    say(Mark::Holds, measured.as_deref().unwrap_or("holds"))
+    say(Mark::Holds, measured.as_deref().unwrap_or("deadlines met"))
 }
 
 /// `not settled in 10 s, any client`: the causes that a user can change, not the progress of the search.
