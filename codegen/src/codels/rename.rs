@@ -24,7 +24,9 @@ use super::{
     folder::Folder,
     source::{
         Generated, Span, comment, parse,
-        place::{names_parameter, names_structure, opened, qualifiers, renamable},
+        place::{
+            is_function_name, names_parameter, names_structure, opened, qualifiers, renamable,
+        },
         preorder,
         types::{Scope, Types, scopes},
     },
@@ -290,6 +292,11 @@ impl<'a> File<'a> {
     /// The new name of an identifier that is not a member, by its written and enclosing scopes.
     fn global(&self, node: Node<'_>, scope: &Scope<'_>) -> Option<SmolStr> {
         let name: SmolStr = self.text(&node.byte_range()).into();
+        if let Some(to) = self.names.clashing.get(&name)
+            && is_function_name(node)
+        {
+            return to.clone();
+        }
         if !self.names.globals.keys().any(|key| key.1 == name) {
             return None;
         }

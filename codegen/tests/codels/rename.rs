@@ -137,6 +137,28 @@ fn renamed(at: &str, to: &str) -> (Vec<String>, Vec<String>) {
     (changed, left.collect())
 }
 
+/// In C, the event of the state `run` of component `c` and a codel `c_run` are one word.
+#[test]
+fn a_codel_and_an_event_of_one_name_are_two_things() {
+    let specification = "component c {\n  lang \"c\";\n  task t {\n    codel<start> c_run() yield run, ether;\n    \
+        codel<run> c_halt() yield ether;\n  };\n};\n";
+    let code = "#include \"acc.h\"\ngenom_event\nc_run(const genom_context self)\n{\n  if (0) return c_ether;\n  \
+        return c_run;\n}\ngenom_event\nc_halt(const genom_context self)\n{\n  (void)c_run(self);\n  return c_ether;\n}\n";
+    let before = Before::memory(specification, &[("codels/c_t_codels.c", code)]);
+    let source = |after: After| after.files.texts[Utf8Path::new("/codels/c_t_codels.c")].clone();
+    let at = specification.find("c_run").expect("the codel");
+    let after = before.rename(at, "c_begin").expect("a rename").expect("the codels follow");
+    let code_of = |function: &str, event: &str| {
+        code.replace("\nc_run(", &format!("\n{function}("))
+            .replace(")c_run(", &format!("){function}("))
+            .replace("return c_run;", &format!("return {event};"))
+    };
+    assert_eq!(source(after), code_of("c_begin", "c_run"));
+    let at = specification.find("codel<run>").expect("the state") + "codel<".len();
+    let after = before.rename(at, "go").expect("a rename").expect("the codels follow");
+    assert_eq!(source(after), code_of("c_run", "c_go"));
+}
+
 #[test]
 fn states_are_followed_with_their_events() {
     let (changed, left) = renamed("wait;", "hold");

@@ -9,7 +9,7 @@ use smol_str::SmolStr;
 use crate::codels::{
     expected::{Expected, owner_words},
     mapping,
-    source::{Grammar, Span, parse, types},
+    source::{Grammar, Span, parse, place::is_function_name, types},
     stub::types_header,
 };
 use crate::lang::LangError;
@@ -22,6 +22,9 @@ pub(super) type ScopedName = (Vec<SmolStr>, SmolStr);
 pub(super) struct Names {
     /// Types, events, exceptions, enumerators, constants, functions, macros.
     pub(super) globals: FxHashMap<ScopedName, SmolStr>,
+    /// Codels whose names are those of events too, which is possible in C, with their new names.
+    /// [`Names::globals`] has the events.
+    pub(super) clashing: FxHashMap<SmolStr, Option<SmolStr>>,
     /// Members, by structure and name.
     pub(super) members: FxHashMap<(SmolStr, SmolStr), SmolStr>,
     /// Parameters of codels: function (by its old name), position, old and new name.
@@ -75,7 +78,10 @@ impl Names {
             |expected| mapping(expected).map_err(|error| MissingNames::Mapping(error.message));
         let (old, new) = (text(before)?, text(after)?);
         let grammar = mapping::grammar(before);
-        let mut out = Names { grammar: Some(grammar), ..Names::default() };
+        let functions = before.functions.iter().map(|function| SmolStr::from(&*function.name));
+        let clashing = functions.filter(|name| before.events.contains_key(name));
+        let clashing = clashing.map(|name| (name, None)).collect();
+        let mut out = Names { grammar: Some(grammar), clashing, ..Names::default() };
         let (words, new_words) = (words(&old), words(&new));
         if words.len() != new_words.len() {
             return Err(MissingNames::Structure);
@@ -85,7 +91,11 @@ impl Names {
             let (from, to) = (&old[span.clone()], &new[new_span]);
             if from != to {
                 let node = tree.root_node().descendant_for_byte_range(span.start, span.end);
-                out.add(node.ok_or(MissingNames::Structure)?, from, to, &old, grammar);
+                let node = node.ok_or(MissingNames::Structure)?;
+                match out.clashing.get_mut(from) {
+                    Some(function) if is_function_name(node) => *function = Some(to.into()),
+                    _ => out.add(node, from, to, &old, grammar),
+                }
             }
         }
         out.owners(before, after)?;
@@ -196,6 +206,7 @@ impl Names {
     /// True if no name in the sources changes.
     pub(super) fn is_empty(&self) -> bool {
         self.globals.is_empty()
+            && self.clashing.values().all(Option::is_none)
             && self.members.is_empty()
             && self.parameters.is_empty()
             && self.owners.is_empty()

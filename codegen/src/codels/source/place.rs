@@ -50,6 +50,18 @@ pub(crate) fn names_structure(node: Node<'_>) -> bool {
     })
 }
 
+/// True if the node is the name of a function that is declared, defined or called.
+pub(crate) fn is_function_name(node: Node<'_>) -> bool {
+    node.parent().is_some_and(|parent| {
+        let field = match parent.kind() {
+            "function_declarator" => "declarator",
+            "call_expression" => "function",
+            _ => return false,
+        };
+        parent.child_by_field_name(field).is_some_and(|child| child.id() == node.id())
+    })
+}
+
 /// True if the node is the name that a parameter declares.
 pub(crate) fn names_parameter(node: Node<'_>) -> bool {
     let mut at = node;
