@@ -371,6 +371,16 @@ impl FixSite<'_> {
         fixes
     }
 
+    /// Renames a codel wherever the file declares it.
+    pub(crate) fn rename_codel(&self, from: &str, to: &str) -> Vec<TextFix> {
+        let codels = self.root.descendants().filter_map(ast::Codel::cast);
+        let names = codels.filter_map(|codel| codel.name()?.ident_token());
+        let edits = names.filter(|name| name.text() == from);
+        let edits: Vec<_> = edits.map(|name| (name.text_range(), to.to_owned())).collect();
+        let title = format!("Rename the codel to `{to}`");
+        vec![TextFix { kind: FixKind::Guess, title, edits }]
+    }
+
     pub(crate) fn validate_new_value(&self) -> Vec<TextFix> {
         let edits: Vec<(TextRange, String)> = self
             .related

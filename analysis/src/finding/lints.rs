@@ -174,10 +174,10 @@ findings! {
                "give the task a `period`, or yield the state without `pause::`";
         "fsm/dead-end" DeadEnd { codel: Name, states: Names }
             => "the machine is stuck after `{codel}`: none of the states it yields ({states}) has a codel";
-        "fsm/codel-named-as-event" NamedAsEvent { codel: Name, state: Name }
+        "fsm/codel-named-as-event" NamedAsEvent { codel: Name, state: Name, free: Name }
             => "the codel `{codel}` has the name that the mapping gives to the state `{state}`: no C compiler \
                 accepts the function",
-               "call it otherwise, after its task or service, say";
+               "rename it, for example to `{free}`";
         "fsm/missing-stop" MissingStop { name: Name, by: Name, what: &'static str, param: Name }
             => "activity `{name}` can be interrupted (by `{by}`) and writes the {what} `{param}`, but has \
                 no `codel<stop>` to leave it in a consistent state";
@@ -251,6 +251,7 @@ impl LintWarning {
                 fixes.extend(here.pause_somewhere());
                 fixes
             }
+            LintWarning::NamedAsEvent { codel, free, .. } => here.rename_codel(codel, free),
             LintWarning::MissingStop { .. } => here.add_stop_codel(),
             LintWarning::MissingWcet { .. } => here.add_wcet(),
             LintWarning::BlindValidate { .. } => here.validate_new_value(),

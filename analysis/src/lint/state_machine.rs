@@ -38,8 +38,9 @@ fn names_of_events(lint: &mut Lint) {
     let prefix = format!("{}_", component.name);
     let codels = || component.all_codels().map(|codel| component.codel(codel));
     let states = || codels().flat_map(|codel| codel.triggers.iter().chain(&codel.yields));
-    let mut found: Vec<(Src, Name, Name)> = Vec::new();
-    for codel in codels() {
+    let mut found: Vec<(Src, LintWarning)> = Vec::new();
+    for at in component.all_codels() {
+        let codel = component.codel(at);
         let Some(rest) = codel.name.strip_prefix(&prefix) else {
             continue;
         };
@@ -51,14 +52,23 @@ fn names_of_events(lint: &mut Lint) {
             other.name == rest && !other.paused || paused && other.paused && other.name == state
         };
         // Every machine ends in `ether`, even if it is not written.
-        if let Some(state) = states().find(|state| same(state)) {
-            found.push((codel.src, codel.name.clone(), state.name.clone()));
-        } else if rest == "ether" {
-            found.push((codel.src, codel.name.clone(), rest.into()));
+        let ether = || (rest == "ether").then(|| Name::from(rest));
+        let state = states().find(|state| same(state)).map(|state| state.name.clone());
+        if let Some(state) = state.or_else(ether) {
+            let owner = match at.owner {
+                Owner::Task(task) => &component.tasks[task as usize].name,
+                Owner::Service(service) => &component.services[service as usize].name,
+            };
+            let mut free = format!("{prefix}{owner}_{rest}");
+            while codels().any(|other| *other.name == *free) {
+                free.push('_');
+            }
+            let (codel_name, free) = (codel.name.clone(), free.into());
+            found.push((codel.src, LintWarning::NamedAsEvent { codel: codel_name, state, free }));
         }
     }
-    for (at, codel, state) in found {
-        lint.report(at, LintWarning::NamedAsEvent { codel, state });
+    for (at, warning) in found {
+        lint.report(at, warning);
     }
 }
 

@@ -18,7 +18,11 @@ export function checks(wb) {
       await wb.shot('no-folder-1-where.png');
       await page.keyboard.press('Enter');
       await titled('Where the folder of the component goes').waitFor();
+      const listed = (name) => page.locator('.quick-input-list .monaco-list-row', { hasText: name }).first();
+      // The dialog begins with the home folder, and lists it late.
+      await listed('..').waitFor();
       await input.fill(`${wb.folder}/`);
+      await listed('.vscode').waitFor();
       await page.locator('.quick-input-action a', { hasText: 'OK' }).click();
       await titled('name (2/3)').waitFor();
       await input.fill('nav');
