@@ -213,6 +213,7 @@ export class Server implements vscode.Disposable {
         { language: LANGUAGE, scheme: 'file' },
         { language: LANGUAGE, scheme: 'untitled' },
         { language: SCENARIO, scheme: 'file' },
+        { language: SCENARIO, scheme: 'untitled' },
         { language: TEMPLATE, scheme: 'file' },
       ],
       outputChannel: this.output,

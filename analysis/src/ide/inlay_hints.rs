@@ -296,7 +296,7 @@ impl Hints<'_, '_> {
             } else {
                 "≤"
             };
-            let label = format!(" ‹turn {bound} {}›", quantity::time(sum));
+            let label = format!(" ‹until pause {bound} {}›", quantity::time(sum));
             let at = self.after_declaration(place.start);
             self.push(at, InlayKind::Wcet, label, tooltip);
         }
@@ -396,7 +396,7 @@ component c {
         let wcet = shown(TEXT, InlayConfig { wcet: true, ..NONE });
         // A chain of one codel takes the time in its `wcet`.
         assert!(wcet.contains("codel<start>"), "{wcet}");
-        assert!(wcet.contains("yield more, ether;[ ‹turn ≤ 4.5 ms›]\n"), "{wcet}");
+        assert!(wcet.contains("yield more, ether;[ ‹until pause ≤ 4.5 ms›]\n"), "{wcet}");
         let load = shown(TEXT, InlayConfig { utilisation: true, ..NONE });
         assert!(load.contains("task t {[ ‹load 45 %›]"), "{load}");
         let ether = shown(TEXT, InlayConfig { implicit_ether: true, ..NONE });
