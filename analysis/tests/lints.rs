@@ -95,6 +95,38 @@ fn deviations_from_the_compiler_are_remarks() {
 }
 
 #[test]
+fn every_finding_of_the_examples_can_be_allowed_at_its_place() {
+    for code in CODES {
+        let page = Page::read(code.id).unwrap();
+        for source in page.texts("genom", false) {
+            let mut source = source.to_owned();
+            // Another round for each finding of the code: each has its own declaration.
+            for _ in 0..8 {
+                let mut host = AnalysisHost::new(Arc::new(Disk));
+                let path = Utf8PathBuf::from("/fixture/main.gen");
+                host.apply(Change {
+                    files: vec![(path.clone(), Some(source.clone()))],
+                    config: Some(strict()),
+                    ..Change::default()
+                });
+                let analysis = host.analysis();
+                let all = analysis.diagnostics(&path).unwrap();
+                let mut found = all.iter().filter(|check| check.code == code.id);
+                let Some(fix) = found.find_map(|check| analysis.allowing(check).unwrap()) else {
+                    break;
+                };
+                for edit in fix.edits {
+                    source.replace_range(edit.range, &edit.new_text);
+                }
+            }
+            let found = codes_of(&source);
+            let is_rule = !code.id.starts_with("lint/") && code.severity != Severity::Error;
+            assert_ne!(found.contains(&code.id), is_rule, "{}: {found:?}\n{source}", code.id);
+        }
+    }
+}
+
+#[test]
 fn every_example_triggers_its_code() {
     for code in CODES {
         let page = Page::read(code.id).unwrap();

@@ -7,10 +7,11 @@ use dotgen_syntax::format::Options;
 
 use super::{Analysis, Cancellable};
 use crate::{
-    diagnostic::FileEdit,
+    diagnostic::{Diagnostic, FileEdit, Fix},
     ide::{self, *},
     progress::Progress,
     source_map::bytes,
+    suppress,
 };
 
 impl Analysis {
@@ -251,6 +252,12 @@ impl Analysis {
         options: &Options,
     ) -> Cancellable<Vec<FileEdit>> {
         self.list(&at.path, |view| ide::formatting::on_type(view, at.offset, typed, options))
+    }
+
+    /// The fix that allows a finding by a comment above its declaration.
+    pub fn allowing(&self, diagnostic: &Diagnostic) -> Cancellable<Option<Fix>> {
+        let path = &diagnostic.path;
+        Ok(self.in_file(path, |view| suppress::allowing(view, diagnostic))?.flatten())
     }
 
     /// The refactorings that apply to a selection.

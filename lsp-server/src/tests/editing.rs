@@ -247,6 +247,32 @@ async fn refactorings_are_code_actions() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_finding_is_allowed_by_a_comment_above_its_declaration() {
+    let text = "component c {\n  ids { long speed; };\n  task t { period 5 ms; };\n  activity go() {\n    \
+        task t; interrupts go;\n    codel<start> f(out speed) yield pause::start, ether;\n  };\n};\n";
+    let folder = Folder::new(&[("c.gen", text)]);
+    let mut capabilities = pulling();
+    capabilities["textDocument"]["codeAction"] = json!({
+        "codeActionLiteralSupport": { "codeActionKind": { "valueSet": ["quickfix"] } },
+    });
+    let mut client = Client::start(folder.params(capabilities)).await;
+    let uri = folder.uri("c.gen");
+    client.open(&uri, text).await;
+    let place = json!({ "line": 3, "character": 11 });
+    let mut params = document(&uri);
+    params["range"] = json!({ "start": place, "end": place });
+    params["context"] = json!({ "diagnostics": [], "only": ["quickfix"] });
+    let actions = client.ok("textDocument/codeAction", params).await;
+    let last = actions.as_array().and_then(|actions| actions.last()).expect("an action");
+    assert_eq!(last["title"], "Allow `fsm/missing-stop` here, with a comment");
+    assert_eq!(last["isPreferred"], false);
+    let edit = &last["edit"]["changes"][&uri][0];
+    assert_eq!(edit["newText"], "  // dotgen: allow(fsm/missing-stop)\n");
+    assert_eq!(edit["range"]["start"], json!({ "line": 3, "character": 0 }));
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn an_included_file_can_be_shown_in_another_unit() {
     let files = [
         ("a.gen", "#define T long\n#include \"t.idl\"\n"),

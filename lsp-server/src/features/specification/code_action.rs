@@ -129,6 +129,14 @@ fn quick_fixes(
         }
     }
     actions.extend(standins::actions(snapshot, subject, all, range, offers)?);
+    for diagnostic in all.iter().filter(|finding| touches(&finding.range, range)) {
+        if let Some(fix) = snapshot.analysis.allowing(diagnostic)? {
+            let action = without_edit(snapshot, diagnostic, &fix, false)?;
+            let edit = edit_of(snapshot, Review::None, &Edit::of(&fix.edits))?;
+            let action = with_edit(snapshot, action, edit);
+            actions.extend(action.map(CodeActionOrCommand::CodeAction));
+        }
+    }
     for code in codes {
         let alike =
             || all.iter().filter(|finding| finding.code == code && !finding.fixes.is_empty());
