@@ -4,6 +4,7 @@
 //! the rest of the unit leave the view equal.
 
 use rustc_hash::{FxHashMap, FxHashSet};
+use smol_str::SmolStr;
 
 use crate::model::{Component, Spec, Type, TypeId, TypeKind, visit::TypeIds as _};
 
@@ -28,7 +29,7 @@ impl BodyView {
             .map(|codel| codel.name.as_str())
             .collect();
         for (ty, id) in std::iter::zip(&spec.types, 0..) {
-            let name = ty.name.as_ref().map(smol_str::SmolStr::as_str);
+            let name = ty.name.as_ref().map(SmolStr::as_str);
             if matches!(ty.kind, TypeKind::Exception { .. })
                 && name.is_some_and(|name| states.contains(name))
             {

@@ -16,7 +16,7 @@ pub(crate) use includes::near_include;
 use camino::Utf8Path;
 
 use dotgen_syntax::{
-    SyntaxElement, SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize,
+    NodeOrToken, SyntaxElement, SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize,
     ast::{self, AstNode},
 };
 
@@ -86,8 +86,7 @@ impl FixSite<'_> {
         let body = node.children().find_map(ast::Body::cast);
         let last = body.into_iter().flat_map(|body| body.syntax().children());
         let last = last.filter(|child| {
-            let mut tokens =
-                child.children_with_tokens().filter_map(dotgen_syntax::NodeOrToken::into_token);
+            let mut tokens = child.children_with_tokens().filter_map(NodeOrToken::into_token);
             let first = tokens.find(|token| !token.kind().is_trivia());
             first.is_some_and(|token| words.contains(&token.text()))
         });

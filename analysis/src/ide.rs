@@ -3,6 +3,7 @@
 //! Names are never resolved here: features read the resolution table of the unit that serves the
 //! file (references and definitions of the elaborator) and the syntax tree.
 
+pub(crate) mod allow;
 pub(crate) mod assists;
 pub(crate) mod call_hierarchy;
 pub(crate) mod code_lens;

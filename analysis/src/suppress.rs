@@ -7,15 +7,12 @@
 use std::sync::Arc;
 
 use dotgen_syntax::{
-    SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize,
+    NodeOrToken, SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize,
     ast::{self, AstNode},
 };
 
 use crate::{
     base::Db,
-    codes::lints,
-    diagnostic::{Diagnostic, FileEdit, Fix, FixKind, Severity},
-    ide::FileView,
     unit::{FileKey, parsed},
 };
 
@@ -39,11 +36,12 @@ pub(crate) fn suppressions<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<Vec<S
         return Arc::default();
     }
     let root = parsed(db, key).syntax();
-    let tokens = root.descendants_with_tokens().filter_map(dotgen_syntax::NodeOrToken::into_token);
+    let tokens = root.descendants_with_tokens().filter_map(NodeOrToken::into_token);
     Arc::new(tokens.filter_map(|token| suppression(&token)).collect())
 }
 
-const MARK: &str = "dotgen:";
+/// The beginning of a comment for dotgen.
+pub(crate) const MARK: &str = "dotgen:";
 
 fn suppression(comment: &SyntaxToken) -> Option<Suppression> {
     if !matches!(comment.kind(), SyntaxKind::LINE_COMMENT | SyntaxKind::BLOCK_COMMENT) {
@@ -117,43 +115,12 @@ fn is_on_own_line(comment: &SyntaxToken) -> bool {
     true
 }
 
-/// The fix that allows a finding by a comment above its declaration. The comment has no reason yet, which is
-/// reported. `None` if the finding cannot be allowed, or its declaration begins in the middle of a line.
-pub(crate) fn allowing(view: &FileView<'_>, diagnostic: &Diagnostic) -> Option<Fix> {
-    let rule = lints::find(diagnostic.code)?;
-    let about_comment = [lints::UNUSED_SUPPRESSION, lints::NO_REASON].contains(&rule.id);
-    if diagnostic.severity == Severity::Error || about_comment {
-        return None;
-    }
-    let text = view.text();
-    let at = TextSize::try_from(diagnostic.range.start).ok()?;
-    let token = view.root().token_at_offset(at).right_biased()?;
-    let mut items =
-        token.parent_ancestors().filter(|ancestor| ast::Item::can_cast(ancestor.kind()));
-    let (at, indent) = items.find_map(|item| {
-        let mut tokens =
-            item.descendants_with_tokens().filter_map(dotgen_syntax::NodeOrToken::into_token);
-        let first =
-            tokens.find(|token| !token.kind().is_trivia() && !token.text_range().is_empty())?;
-        let start = usize::from(first.text_range().start());
-        let line = text[..start].rfind('\n').map_or(0, |end| end + 1);
-        let indent = &text[line..start];
-        indent.trim().is_empty().then_some((line, indent))
-    })?;
-    let comment = format!("{indent}// {MARK} allow({})\n", diagnostic.code);
-    Some(Fix {
-        title: format!("Allow `{}` here, with a comment", diagnostic.code),
-        kind: FixKind::Choice,
-        edits: vec![FileEdit { path: diagnostic.path.clone(), range: at..at, new_text: comment }],
-    })
-}
-
 /// The largest declaration whose first real token this is.
 fn outermost_item_at(token: &SyntaxToken) -> Option<SyntaxNode> {
     let begins = |node: &SyntaxNode| {
         let first = node
             .descendants_with_tokens()
-            .filter_map(dotgen_syntax::NodeOrToken::into_token)
+            .filter_map(NodeOrToken::into_token)
             .find(|token| !token.kind().is_trivia() && !token.text_range().is_empty());
         first.is_some_and(|other| other.text_range() == token.text_range())
     };

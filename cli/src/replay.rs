@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use dotgen_analysis::terminal;
 use dotgen_recording::record;
 use dotgen_recording::replay::{
-    Difference, DifferenceKind, Replay, ReplayReport, with_any_exception,
+    Difference, DifferenceKind, Replay, ReplayReport, Step, with_any_exception,
 };
 use dotgen_runtime::refine;
 use dotgen_timing::diagnostic::remark::together;
@@ -248,8 +248,7 @@ fn differs(difference: &Difference, time: &dyn Fn(u64) -> String) -> String {
             "is not possible there: nothing but time can pass".to_owned()
         }
         DifferenceKind::Impossible { possible } => {
-            let all: Vec<String> =
-                possible.iter().map(dotgen_recording::replay::Step::describe).collect();
+            let all: Vec<String> = possible.iter().map(Step::describe).collect();
             format!("is not possible there; this is: {}", all.join(", or "))
         }
         DifferenceKind::Omitted { due } => format!("before it has to come: {}", due.describe()),

@@ -414,7 +414,7 @@ impl<'s> Mapping<'s> {
 
     fn plain_name(&self, ty: TypeId) -> String {
         let name = self.spec.ty(ty).name.as_ref();
-        name.map(std::string::ToString::to_string).unwrap_or_default()
+        name.map(ToString::to_string).unwrap_or_default()
     }
 }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::finding::role::Role;
+use smol_str::SmolStr;
 use smol_str::format_smolstr;
 
 use crate::{
@@ -154,7 +155,7 @@ fn undefined(owner: &Owner<'_>, machine: &Machine<'_>, codel: &Codel, state: &St
             .related(codel.src, Role::Codel)
             .near(Some(near));
     }
-    let states = machine.states().map(smol_str::SmolStr::as_str);
+    let states = machine.states().map(SmolStr::as_str);
     let near = dotgen_syntax::suggestion::nearest(&state.name, states.chain(["ether"]));
     let near = near.map(|name| {
         let pause = if state.paused { "pause::" } else { "" };

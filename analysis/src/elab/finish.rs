@@ -1,6 +1,7 @@
 //! The work at the end of the input (language reference, sections 1.4 and 8.1).
 
 use crate::finding::role::Role;
+use smol_str::SmolStr;
 use std::sync::Arc;
 
 use num_rational::Ratio;
@@ -96,7 +97,7 @@ impl Elaborator<'_> {
     fn apply_wcet_pragmas(&mut self) {
         for pragma in std::mem::take(&mut self.pragma_wcet) {
             let Some(def) = self.codel_def(&pragma.codel) else {
-                let names = self.codels.keys().map(smol_str::SmolStr::as_str);
+                let names = self.codels.keys().map(SmolStr::as_str);
                 let near = self.near(pragma.name, &pragma.codel, names);
 
                 self.unresolved(

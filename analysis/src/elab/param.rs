@@ -12,6 +12,7 @@ use crate::{
         TypeKind,
     },
 };
+use smol_str::SmolStr;
 
 pub(super) fn direction(dir: Dir) -> ParamDir {
     match dir {
@@ -200,7 +201,7 @@ impl<'a> Elaborator<'a> {
         };
         if found.is_none() && !self.is_excused(index, &name) {
             let candidates = self.sources(index, service, Some(source));
-            let candidates = candidates.iter().map(smol_str::SmolStr::as_str);
+            let candidates = candidates.iter().map(SmolStr::as_str);
             let near = self.near(self.src(written.first.ptr), &name, candidates);
 
             self.unresolved(written.at, kind, near);
@@ -252,7 +253,7 @@ impl<'a> Elaborator<'a> {
             (None, _) if self.is_excused(index, name) => None,
             (None, _) => {
                 let candidates = self.sources(index, service, None);
-                let candidates = candidates.iter().map(smol_str::SmolStr::as_str);
+                let candidates = candidates.iter().map(SmolStr::as_str);
                 let near = self.near(self.src(written.first.ptr), name, candidates);
                 let places = match service {
                     Some(_) => {

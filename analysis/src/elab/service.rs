@@ -2,6 +2,7 @@
 
 use crate::finding::role::Role;
 use rustc_hash::FxHashMap;
+use smol_str::SmolStr;
 
 use super::{
     Access, DefId, DefKind, Entity,
@@ -392,7 +393,7 @@ impl<'a> Elaborator<'a> {
                 self.lack_of(index, Missing::Task { name });
                 return None;
             }
-            let names = state.task_by_name.keys().map(smol_str::SmolStr::as_str);
+            let names = state.task_by_name.keys().map(SmolStr::as_str);
             let near = self.near(self.src(task.ptr), &task.text, names);
 
             self.unresolved(at, DeclarationProblem::UnknownTask { name: task.text.clone() }, near);
@@ -463,7 +464,7 @@ impl<'a> Elaborator<'a> {
                     self.lack_of(index, Missing::Service { name });
                 }
                 None => {
-                    let candidates = state.service_by_name.keys().map(smol_str::SmolStr::as_str);
+                    let candidates = state.service_by_name.keys().map(SmolStr::as_str);
                     let near = self.near(*at, name, candidates);
                     let remote = state.remote_by_name.contains_key(name);
                     let name = name.clone();

@@ -3,6 +3,7 @@
 use crate::finding::role::Role;
 use dotgen_syntax::suggestion::nearest_keyword;
 use rustc_hash::FxHashSet;
+use smol_str::SmolStr;
 
 use super::{context::Elaborator, foreign, words};
 use crate::{
@@ -159,7 +160,7 @@ impl<'a> Elaborator<'a> {
         } else if followed + 1 < names.len() {
             let missing = names[followed];
             let inner = self.scopes.get(scope);
-            let candidates = inner.children.keys().map(smol_str::SmolStr::as_str);
+            let candidates = inner.children.keys().map(SmolStr::as_str);
             let near = self.near(self.src(token(followed)), missing, candidates);
             let inside = match followed {
                 0 => SearchedScope::Here,

@@ -1,7 +1,7 @@
 //! Declarations of names that are used but not declared, each at the place that fits the order of the file.
 
 use dotgen_syntax::{
-    SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize,
+    NodeOrToken, SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize,
     ast::{self, AstNode},
 };
 
@@ -152,7 +152,7 @@ impl FixSite<'_> {
         } else {
             let first = item
                 .descendants_with_tokens()
-                .filter_map(dotgen_syntax::NodeOrToken::into_token)
+                .filter_map(NodeOrToken::into_token)
                 .find(|token| !token.kind().is_trivia())?;
             let at = TextRange::empty(first.text_range().start());
             if starts_line(&item) {
@@ -213,7 +213,7 @@ fn members_of(item: &SyntaxNode, ty: &str) -> Vec<String> {
 /// The start of an item, including the comments right before it.
 fn before_comments(item: &SyntaxNode) -> Option<TextSize> {
     let tokens = item.descendants_with_tokens();
-    let mut tokens = tokens.filter_map(dotgen_syntax::NodeOrToken::into_token);
+    let mut tokens = tokens.filter_map(NodeOrToken::into_token);
     let first = tokens.find(|token| !token.kind().is_trivia())?;
     let mut at = first.text_range().start();
     let mut ends = 0;

@@ -1,10 +1,10 @@
 //! Places of nodes in the text: their lines, indentation, ends and commas.
 
-use dotgen_syntax::{SyntaxKind, SyntaxNode, TextRange, TextSize};
+use dotgen_syntax::{NodeOrToken, SyntaxKind, SyntaxNode, TextRange, TextSize};
 
 /// Returns true if a node begins its line.
 pub(super) fn starts_line(node: &SyntaxNode) -> bool {
-    let tokens = node.descendants_with_tokens().filter_map(dotgen_syntax::NodeOrToken::into_token);
+    let tokens = node.descendants_with_tokens().filter_map(NodeOrToken::into_token);
     let first = tokens.into_iter().find(|token| !token.kind().is_trivia());
     let mut before = first.and_then(|token| token.prev_token());
     while let Some(token) = before {
@@ -23,7 +23,7 @@ pub(super) fn starts_line(node: &SyntaxNode) -> bool {
 pub(super) fn indent_of(node: &SyntaxNode) -> String {
     let first = node
         .descendants_with_tokens()
-        .filter_map(dotgen_syntax::NodeOrToken::into_token)
+        .filter_map(NodeOrToken::into_token)
         .find(|token| !token.kind().is_trivia());
     let before = first.and_then(|token| token.prev_token());
     before
@@ -34,7 +34,7 @@ pub(super) fn indent_of(node: &SyntaxNode) -> String {
 
 /// The end of the last real token of a node.
 pub(super) fn end_of(node: &SyntaxNode) -> TextSize {
-    let tokens = node.descendants_with_tokens().filter_map(dotgen_syntax::NodeOrToken::into_token);
+    let tokens = node.descendants_with_tokens().filter_map(NodeOrToken::into_token);
     let last =
         tokens.filter(|token| !token.kind().is_trivia() && !token.text_range().is_empty()).last();
     last.map_or(node.text_range().end(), |token| token.text_range().end())

@@ -11,7 +11,6 @@ use crate::{
     ide::{self, *},
     progress::Progress,
     source_map::bytes,
-    suppress,
 };
 
 impl Analysis {
@@ -257,7 +256,7 @@ impl Analysis {
     /// The fix that allows a finding by a comment above its declaration.
     pub fn allowing(&self, diagnostic: &Diagnostic) -> Cancellable<Option<Fix>> {
         let path = &diagnostic.path;
-        Ok(self.in_file(path, |view| suppress::allowing(view, diagnostic))?.flatten())
+        Ok(self.in_file(path, |view| ide::allow::allowing(view, diagnostic))?.flatten())
     }
 
     /// The refactorings that apply to a selection.

@@ -1,6 +1,6 @@
 //! The expansion of a macro call, for display.
 
-use dotgen_syntax::{SyntaxKind, TextSize};
+use dotgen_syntax::{NodeOrToken, SyntaxKind, TextSize};
 
 use super::{FileView, MacroExpansion, RangeInfo, hover::expansion};
 
@@ -23,7 +23,7 @@ pub(crate) fn expand_macro(view: &FileView<'_>, at: usize) -> Option<RangeInfo<M
         .or_else(|| tokens.left_biased().and_then(around))?;
     let name = call
         .descendants_with_tokens()
-        .filter_map(dotgen_syntax::NodeOrToken::into_token)
+        .filter_map(NodeOrToken::into_token)
         .find(|token| !token.kind().is_trivia())?;
     Some(RangeInfo {
         range: call.text_range().into(),

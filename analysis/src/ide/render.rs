@@ -162,7 +162,7 @@ pub(crate) fn value(spec: &Spec, value: &Value) -> String {
             .types
             .get(id.0 as usize)
             .and_then(|ty| ty.name.as_ref())
-            .map_or_else(String::new, std::string::ToString::to_string),
+            .map_or_else(String::new, ToString::to_string),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Codels of the document: their parameters, states and exclusions.
 
 use serde_json::{Value as Json, json};
+use smol_str::SmolStr;
 
 use super::{Object, Writer, states};
 use crate::{
@@ -145,7 +146,7 @@ impl Writer<'_> {
             }
             _ => None,
         };
-        out.put_some("of", of.map(smol_str::SmolStr::as_str));
+        out.put_some("of", of.map(SmolStr::as_str));
         out.put_some("init", param.init.as_ref().map(|init| self.initializer(init)));
         self.place(&mut out, param.src);
         out.done()

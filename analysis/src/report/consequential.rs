@@ -1,6 +1,6 @@
 //! Consequences of other errors, which are left out: one cause, one diagnostic.
 
-use dotgen_syntax::{Fragment, SyntaxKind, SyntaxNode, TextRange};
+use dotgen_syntax::{Fragment, NodeOrToken, SyntaxKind, SyntaxNode, TextRange};
 use rustc_hash::FxHashSet;
 use smol_str::SmolStr;
 
@@ -185,7 +185,7 @@ fn unparsed_words<'db>(db: &'db dyn Db, key: FileKey<'db>) -> FxHashSet<SmolStr>
     let root = parse.syntax();
     let lost = root.descendants().filter(|node| node.kind() == SyntaxKind::ERROR);
     lost.flat_map(|node| node.descendants_with_tokens())
-        .filter_map(dotgen_syntax::NodeOrToken::into_token)
+        .filter_map(NodeOrToken::into_token)
         .filter(|token| token.kind() == SyntaxKind::IDENT)
         .map(|token| parse.expansion.text(&token))
         .collect()

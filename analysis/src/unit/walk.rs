@@ -244,9 +244,9 @@ impl Walker<'_> {
             Some(why) => IncludeError::Unreadable(why),
             // The file may be in the missing package, which is reported.
             None if self.packages_missing => IncludeError::Silent,
-            None => IncludeError::NotFound {
-                searched: dirs.iter().map(std::string::ToString::to_string).collect(),
-            },
+            None => {
+                IncludeError::NotFound { searched: dirs.iter().map(ToString::to_string).collect() }
+            }
         })
     }
 }
@@ -292,8 +292,7 @@ impl Host for VisitHost<'_, '_> {
         env: &MacroEnv,
     ) -> Result<RequiredPackages, String> {
         let walker = &mut *self.walker;
-        let arguments: Vec<String> =
-            arguments.iter().map(std::string::ToString::to_string).collect();
+        let arguments: Vec<String> = arguments.iter().map(ToString::to_string).collect();
         let packages = walker.db.packages(&arguments);
         let result = packages.flags(walker.db).as_ref().map_err(Clone::clone).map(|flags| {
             for dir in &flags.include_dirs {

@@ -16,6 +16,7 @@ use dotgen_analysis::{
     host::{Analysis, Change, Config},
     ide::{CompletionItem, FilePosition, plain_snippet},
 };
+use dotgen_syntax::NodeOrToken;
 
 use super::*;
 
@@ -268,7 +269,7 @@ fn places(text: &str, tokens: &[(std::ops::Range<usize>, String)]) -> Vec<Place>
 
 fn tokens(text: &str) -> Vec<(std::ops::Range<usize>, String)> {
     let root = dotgen_syntax::parse_text(text).syntax();
-    let all = root.descendants_with_tokens().filter_map(dotgen_syntax::NodeOrToken::into_token);
+    let all = root.descendants_with_tokens().filter_map(NodeOrToken::into_token);
     let live = all.filter(|token| !token.kind().is_trivia() && !token.text_range().is_empty());
     let ranges = live.map(|token| std::ops::Range::<usize>::from(token.text_range()));
     ranges.map(|range| (range.clone(), text[range].to_owned())).collect()

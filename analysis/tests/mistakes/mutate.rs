@@ -1,6 +1,7 @@
 //! Random changes of tokens: no fix makes a text worse, and repeated fixing terminates.
 
 use super::*;
+use dotgen_syntax::NodeOrToken;
 
 /// Maximum number of rounds of fixing.
 const MAX_ROUNDS: usize = 40;
@@ -11,7 +12,7 @@ fn mutated(text: &str, random: &mut fastrand::Rng) -> String {
     let root = parse.syntax();
     let tokens: Vec<_> = root
         .descendants_with_tokens()
-        .filter_map(dotgen_syntax::NodeOrToken::into_token)
+        .filter_map(NodeOrToken::into_token)
         .filter(|token| !token.kind().is_trivia() && !token.text_range().is_empty())
         .collect();
     let index = random.usize(..tokens.len().saturating_sub(1).max(1));

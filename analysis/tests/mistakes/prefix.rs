@@ -4,7 +4,7 @@
 //! The environment variable `DOTGEN_TIMES` multiplies the number of beginnings.
 
 use dotgen_syntax::{
-    SyntaxNode,
+    NodeOrToken, SyntaxNode,
     ast::{self, AstNode},
 };
 
@@ -28,7 +28,7 @@ fn items(text: &str) -> Vec<Item> {
 }
 
 fn item(text: &str, node: &SyntaxNode) -> Option<Item> {
-    let tokens = node.descendants_with_tokens().filter_map(dotgen_syntax::NodeOrToken::into_token);
+    let tokens = node.descendants_with_tokens().filter_map(NodeOrToken::into_token);
     let live = tokens.filter(|token| !token.kind().is_trivia() && !token.text_range().is_empty());
     let ends: Vec<usize> = live.map(|token| token.text_range().end().into()).collect();
     let start: usize = node.text_range().start().into();

@@ -7,7 +7,7 @@ use dotgen_timing::verify::{Interrupt, Options, SystemInput, prepare};
 use dotgen_views::verification::Problem;
 use dotgen_views::verification::runs::Ending;
 
-use super::recorder::Files;
+use super::recorder::{Files, Recorder};
 use super::{Answer, Arguments, Clock, Contents, Format, Simulate, WrittenFile, bounds, execute};
 use crate::outputs::PERFETTO;
 use crate::session::{ErrorReporter, Session};
@@ -145,7 +145,7 @@ impl<'a> Paths<'a> {
             }
         }
         let recorded = std::mem::replace(&mut run.lines, Ok(0)).and_then(|lines| {
-            let whole = files.runs.map(super::recorder::Recorder::finish).transpose()?;
+            let whole = files.runs.map(Recorder::finish).transpose()?;
             Ok((lines, whole))
         });
         if let Some((lines, Some(whole))) = trouble.ok_or_report(recorded.map_err(Into::into)) {

@@ -1,5 +1,6 @@
 //! A benchmark: seeded defects that the tools have to find and to mend, without other help.
 
+use dotgen_syntax::NodeOrToken;
 use serde_json::json;
 
 use super::Client;
@@ -31,7 +32,7 @@ type Slip = fn(&str, &mut fastrand::Rng) -> Option<String>;
 fn tokens(text: &str) -> Vec<(usize, String)> {
     let root = dotgen_syntax::parse_text(text).syntax();
     let all = root.descendants_with_tokens();
-    let tokens = all.filter_map(dotgen_syntax::NodeOrToken::into_token);
+    let tokens = all.filter_map(NodeOrToken::into_token);
     let tokens = tokens.filter(|token| !token.kind().is_trivia());
     tokens.map(|token| (token.text_range().start().into(), token.text().to_owned())).collect()
 }

@@ -162,7 +162,7 @@ pub fn plan(
     let inputs: Vec<Utf8PathBuf> = compile.iter().map(|step| step.output.clone()).collect();
     let mut command = linker.clone();
     command.extend(["-shared", "-o", output.as_str()].map(str::to_owned));
-    command.extend(inputs.iter().map(std::string::ToString::to_string));
+    command.extend(inputs.iter().map(ToString::to_string));
     command.extend(packages.link.iter().cloned());
     command.push("-lm".to_owned());
     Ok(Plan { link: Step { source: None, output, command, inputs }, headers, compile, missing })
@@ -213,7 +213,7 @@ impl Step {
 
     /// The text of that file: the command, and a digest of each input. `None` if an input cannot be read.
     pub fn recorded(&self, contents: &mut Contents<'_>) -> Option<String> {
-        let mut inputs: Vec<PathBuf> = self.inputs.iter().map(std::convert::Into::into).collect();
+        let mut inputs: Vec<PathBuf> = self.inputs.iter().map(Into::into).collect();
         if self.source.is_some() {
             let listed = contents.disk.read(dependencies_of(&self.output).as_std_path()).ok()?;
             inputs.extend(dependencies(&String::from_utf8_lossy(&listed)));

@@ -86,7 +86,7 @@ fn schema(spec: &Spec, ty: TypeId, around: &mut Vec<TypeId>) -> Value {
 fn of_kind(spec: &Spec, ty: TypeId, around: &mut Vec<TypeId>) -> Value {
     let name = |ty: TypeId| {
         let name = spec.ty(ty).name.as_ref();
-        name.map(std::string::ToString::to_string).unwrap_or_default()
+        name.map(ToString::to_string).unwrap_or_default()
     };
     let whole = |least: i64, greatest: u64| json!({"type": "integer", "minimum": least, "maximum": greatest});
     let signed = |bits: u32| whole(-(1i64 << (bits - 1)), (1u64 << (bits - 1)) - 1);

@@ -76,7 +76,7 @@ pub fn hosted(
         };
         let mut command: Vec<String> = linker;
         command.extend(["-shared", "-o", output.as_str()].map(str::to_owned));
-        command.extend(inputs.iter().map(std::string::ToString::to_string));
+        command.extend(inputs.iter().map(ToString::to_string));
         command.extend(packages.link.iter().cloned());
         command.extend(["-lm", "-lpthread"].map(str::to_owned));
         Ok(SharedObject {

@@ -240,7 +240,7 @@ impl<'s> Values<'s> {
 
     fn name(&self, ty: TypeId) -> String {
         let name = self.spec.ty(ty).name.as_ref();
-        name.map(std::string::ToString::to_string).unwrap_or_default()
+        name.map(ToString::to_string).unwrap_or_default()
     }
 
     /// The member of a union that a discriminator selects.

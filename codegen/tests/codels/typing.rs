@@ -9,6 +9,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_codegen::codels::command::{Project, check};
 use dotgen_codegen::codels::files::FilesConfig;
 use dotgen_codegen::codels::stub::StubOptions;
+use dotgen_syntax::NodeOrToken;
 use dotgen_syntax::ast::{AstNode, Item};
 
 use crate::codels::support::{Disk, host, workspace};
@@ -31,8 +32,7 @@ fn items(text: &str) -> Vec<(usize, Vec<usize>)> {
     let root = dotgen_syntax::parse_text(text).syntax();
     let items = root.descendants().filter(|node| Item::can_cast(node.kind()));
     let items = items.map(|item| {
-        let tokens =
-            item.descendants_with_tokens().filter_map(dotgen_syntax::NodeOrToken::into_token);
+        let tokens = item.descendants_with_tokens().filter_map(NodeOrToken::into_token);
         let tokens = tokens.filter(|token| !token.kind().is_trivia());
         let ends = tokens.map(|token| token.text_range().end().into()).collect();
         (item.text_range().start().into(), ends)

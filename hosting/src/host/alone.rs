@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use dotgen_runtime::hosts::{CodelEnd, DelegatedYield, HostMachine};
 
 use super::Host;
+use crate::executing::Executing;
 use crate::library::Outcome;
 use crate::realtime;
 
@@ -185,7 +186,7 @@ pub(super) fn watch(host: &Arc<Host>) {
         if host.options.raised {
             realtime::raise_priority(realtime::ENGINE_PRIORITY);
         }
-        let beats = || host.executing.as_ref().map_or(0, super::super::executing::Executing::beats);
+        let beats = || host.executing.as_ref().map_or(0, Executing::beats);
         let (mut last, mut quiet) = (beats(), 0);
         while quiet < LOOKS {
             std::thread::sleep(within / LOOKS);

@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::Settings;
+use dotgen_codegen::codels::drift::DriftCode;
 
 /// The schema of `dotgen.toml`, as committed in `docs/dotgen.schema.json`.
 pub(crate) fn settings_schema() -> Value {
@@ -17,7 +18,7 @@ pub(crate) fn codes() -> impl Iterator<Item = &'static str> {
     let codels = dotgen_codegen::codels::drift::DriftCode::ALL;
     let mut all: Vec<&str> = dotgen_analysis::codes::all()
         .map(|code| code.id)
-        .chain(codels.map(dotgen_codegen::codels::drift::DriftCode::as_str))
+        .chain(codels.map(DriftCode::as_str))
         .collect();
     all.sort_unstable();
     all.into_iter()

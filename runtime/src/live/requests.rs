@@ -4,7 +4,7 @@ use dotgen_timing::explore::{Stepper, Work};
 
 use super::{Instance, Live};
 use crate::hosts::{Call, Message, OutsideRequest, ReplyError, RequestReply};
-use dotgen_timing::system::{ClientId, ComponentId, ServiceId};
+use dotgen_timing::system::{ClientId, ClientStep, ComponentId, ServiceId};
 
 /// Marks the numbers of requests by codels.
 const CODEL_REQUEST_BIT: u64 = 1 << 63;
@@ -166,7 +166,7 @@ impl Live<'_> {
         };
         let wanted = self.wanted.get(component).and_then(|requests| requests.front());
         let steps = &self.system.clients[client].steps;
-        let requests = steps.get(step).and_then(dotgen_timing::system::ClientStep::requests);
+        let requests = steps.get(step).and_then(ClientStep::requests);
         !self.ending && wanted.is_some_and(|request| requests == Some(request.service))
     }
 

@@ -112,7 +112,7 @@ impl Model<'_> {
         });
         let holders =
             others.filter(|&other| codels.contains(CodelId::from(s.done[other].held as usize - 1)));
-        holders.map(|other| s.when[other].held).reduce(super::span::Span::max)
+        holders.map(|other| s.when[other].held).reduce(Span::max)
     }
 
     /// Returns the earliest time of the next step of an active task: taking a ticket, or beginning.

@@ -8,7 +8,7 @@ use num_rational::Ratio;
 use super::change::Change;
 use crate::explore::Limits;
 use crate::limit::{Grid, Phase};
-use crate::report::{TimeUnit, Verdict};
+use crate::report::{CheckReport, TimeUnit, Verdict};
 use crate::scn::ast::{Durations, Path, Policy};
 use crate::scn::names::Names;
 use crate::system::build::build;
@@ -78,7 +78,7 @@ impl<'t> Trial<'t> {
             Verdict::Unknown
         } else if let Some(check) = checks.iter().find(|check| !check.verdict.holds()) {
             check.verdict
-        } else if checks.iter().any(super::super::report::CheckReport::exceeds) {
+        } else if checks.iter().any(CheckReport::exceeds) {
             Verdict::Refuted
         } else {
             Verdict::Proved

@@ -12,7 +12,9 @@ use super::observe::{self, Observer};
 use super::rules::{Action, Enabled, IdleTurn, Rules, SystemRules, Work};
 use super::state::{Clocks, Stages, State, TaskStatus, phase};
 use crate::property::Predicate;
-use crate::system::{AutomatonId, ClientId, ComponentId, ServiceId, TaskId, Ticks, TimedSystem};
+use crate::system::{
+    AutomatonId, ClientId, ClientStep, ComponentId, ServiceId, TaskId, Ticks, TimedSystem,
+};
 
 /// The predicates to watch along a run, in addition to jobs and ticks.
 #[derive(Debug, Clone, Default)]
@@ -395,7 +397,7 @@ impl<R: Rules> Walk for Walker<R> {
             Action::Request { client, .. } => {
                 let at = self.rules.position(&self.before, client);
                 let step = self.rules.system().clients[client].steps.get(at);
-                if let Some(service) = step.and_then(super::super::system::ClientStep::requests) {
+                if let Some(service) = step.and_then(ClientStep::requests) {
                     seen.push(Seen::Requested { client, service });
                 }
             }

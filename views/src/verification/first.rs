@@ -12,7 +12,7 @@ use dotgen_timing::verify::{Cancel, Options};
 use serde::Serialize;
 
 use super::Problem;
-use super::view::View;
+use super::view::{CheckView, View};
 use dotgen_timing::report::Verdict;
 
 /// Maximum number of states explored for one of them.
@@ -82,7 +82,7 @@ fn answer(assuming: String, problem: &Problem, options: &Options, report: &Repor
     let has = |outcome: &Verdict| view.checks.iter().any(|check| check.verdict == *outcome);
     let outcome = worst.into_iter().find(has).unwrap_or(Verdict::Proved);
     let checks = view.checks.iter().filter(|check| open(&check.verdict));
-    FirstAnswer { assuming, outcome, open: checks.map(super::view::CheckView::title).collect() }
+    FirstAnswer { assuming, outcome, open: checks.map(CheckView::title).collect() }
 }
 
 /// The activities that can be executed, as `component.activity`.

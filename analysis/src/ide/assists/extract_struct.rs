@@ -50,7 +50,7 @@ pub(super) fn extract_struct(cx: &Cx<'_, '_>) -> Option<Assist> {
         cx.edit(at..at, format!("struct {name} {{\n{body}{indent}}};\n{indent}")),
         cx.edit(start..end, format!("{name} {member};")),
     ];
-    for declarator in members.iter().flat_map(dotgen_syntax::ast::Member::declarators) {
+    for declarator in members.iter().flat_map(ast::Member::declarators) {
         let declared = declarator.name()?;
         let range = declared.range(cx.view.map());
         for reference in references(cx.view, range.start().into(), false)? {

@@ -209,7 +209,7 @@ impl Job {
             sink: OutputSink::preview(),
             processes: dotgen_platform::process::system(),
             confined: Some(Confinement {
-                results: self.folders.iter().map(std::convert::Into::into).collect(),
+                results: self.folders.iter().map(Into::into).collect(),
                 confirmed: Confirmation::Shown,
             }),
             failed_at: None,

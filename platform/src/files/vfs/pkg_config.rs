@@ -124,7 +124,7 @@ fn run(
     words.extend(arguments.iter().map(Into::into));
     let mut environment = Vec::new();
     if !paths.is_empty() {
-        let mut path: Vec<String> = paths.iter().map(std::string::ToString::to_string).collect();
+        let mut path: Vec<String> = paths.iter().map(ToString::to_string).collect();
         path.extend(std::env::var("PKG_CONFIG_PATH").ok());
         environment.push(("PKG_CONFIG_PATH", path.join(":")));
     }

@@ -1,0 +1,43 @@
+//! The comment that allows a finding, see [`crate::suppress`].
+
+use dotgen_syntax::{
+    NodeOrToken, TextSize,
+    ast::{self, AstNode},
+};
+
+use super::FileView;
+use crate::{
+    codes::lints,
+    diagnostic::{Diagnostic, FileEdit, Fix, FixKind, Severity},
+    suppress::MARK,
+};
+
+/// The fix that allows a finding by a comment above its declaration. The comment has no reason yet, which is
+/// reported. `None` if the finding cannot be allowed, or its declaration begins in the middle of a line.
+pub(crate) fn allowing(view: &FileView<'_>, diagnostic: &Diagnostic) -> Option<Fix> {
+    let rule = lints::find(diagnostic.code)?;
+    let about_comment = [lints::UNUSED_SUPPRESSION, lints::NO_REASON].contains(&rule.id);
+    if diagnostic.severity == Severity::Error || about_comment {
+        return None;
+    }
+    let text = view.text();
+    let at = TextSize::try_from(diagnostic.range.start).ok()?;
+    let token = view.root().token_at_offset(at).right_biased()?;
+    let mut items =
+        token.parent_ancestors().filter(|ancestor| ast::Item::can_cast(ancestor.kind()));
+    let (at, indent) = items.find_map(|item| {
+        let mut tokens = item.descendants_with_tokens().filter_map(NodeOrToken::into_token);
+        let first =
+            tokens.find(|token| !token.kind().is_trivia() && !token.text_range().is_empty())?;
+        let start = usize::from(first.text_range().start());
+        let line = text[..start].rfind('\n').map_or(0, |end| end + 1);
+        let indent = &text[line..start];
+        indent.trim().is_empty().then_some((line, indent))
+    })?;
+    let comment = format!("{indent}// {MARK} allow({})\n", diagnostic.code);
+    Some(Fix {
+        title: format!("Allow `{}` here, with a comment", diagnostic.code),
+        kind: FixKind::Choice,
+        edits: vec![FileEdit { path: diagnostic.path.clone(), range: at..at, new_text: comment }],
+    })
+}
