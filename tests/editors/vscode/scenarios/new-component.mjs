@@ -38,7 +38,8 @@ export function checks(wb) {
       assert.match(readFileSync(at('nav/nav.gen'), 'utf8'), /uses or_pose_estimator;/);
     }],
     ['it is sound, and its verdict stands over it', async () => {
-      await page.locator('.codelens-decoration a', { hasText: '✓' }).first().waitFor();
+      // Beside the state machine of its task.
+      await page.locator('.codelens-decoration', { hasText: '✓' }).filter({ hasText: 'state machine' }).first().waitFor();
       assert.equal(await wb.squiggles().count(), 0);
       assert.equal(await wb.squiggles('warning').count(), 0);
       await wb.shot('new-3-component.png');
