@@ -249,10 +249,9 @@ impl Group<'_> {
         if out.verdict == Verdict::Unknown
             && let Some(bound) = analysed.deadline_bound(check)
         {
-            *out = self.meets_deadlines(check, bound, analysed);
-            if let Some(note) = &mut out.note {
-                note.push_str("; no run that has a job was found");
-            }
+            // A task that is never released meets its deadlines too.
+            let met = self.meets_deadlines(check, bound, analysed).note;
+            out.note = met.map(|met| format!("{met}; no run that has a job was found"));
             return;
         }
         let (Verdict::Unknown, Some(bound)) = (out.verdict, analysed.of_task(check)) else {

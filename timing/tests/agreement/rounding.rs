@@ -89,7 +89,7 @@ static LATE: AtomicUsize = AtomicUsize::new(0);
 
 #[test]
 fn rounded_times_change_no_verdict() {
-    all_agree(first(), dotgen_loaders::times(40), 2, |seed| {
+    let agree = |seed: u64| {
         let dice = &mut systems::Dice::new(seed);
         let draw = [texts, varied, requests, chained, quiet, periodic][seed as usize % 6];
         let mut texts = draw(dice);
@@ -98,7 +98,10 @@ fn rounded_times_change_no_verdict() {
         }
         off_the_unit(dice, &mut texts);
         compare(&format!("seed {seed}"), &texts)
-    });
+    };
+    all_agree(first(), dotgen_loaders::times(40), 2, agree);
+    // A task that is never released, in a search that is given up.
+    all_agree(168, 1, 1, agree);
     let (rounded, late) = (ROUNDED.load(Ordering::Relaxed), LATE.load(Ordering::Relaxed));
     assert!(rounded > 0 && late > 0, "{rounded} rounded answers, {late} late jobs");
 }
