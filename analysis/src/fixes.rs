@@ -370,12 +370,22 @@ impl FixSite<'_> {
         fixes
     }
 
-    /// Renames a codel wherever the file declares it.
+    /// Renames a codel wherever the file declares it or states its execution time.
     pub(crate) fn rename_codel(&self, from: &str, to: &str) -> Vec<TextFix> {
-        let codels = self.root.descendants().filter_map(ast::Codel::cast);
-        let names = codels.filter_map(|codel| codel.name()?.ident_token());
-        let edits = names.filter(|name| name.text() == from);
-        let edits: Vec<_> = edits.map(|name| (name.text_range(), to.to_owned())).collect();
+        let mut edits = Vec::new();
+        for node in self.root.descendants() {
+            if let Some(codel) = ast::Codel::cast(node.clone()) {
+                let name = codel.name().and_then(|name| name.ident_token());
+                edits.extend(name.filter(|name| name.text() == from).map(|name| name.text_range()));
+            } else if node.kind() == SyntaxKind::DIRECTIVE {
+                // `#pragma wcet CODEL TIME`
+                let tokens = node.descendants_with_tokens().filter_map(NodeOrToken::into_token);
+                let named = tokens
+                    .filter(|token| token.kind() == SyntaxKind::IDENT && token.text() == from);
+                edits.extend(named.map(|token| token.text_range()));
+            }
+        }
+        let edits = edits.into_iter().map(|range| (range, to.to_owned())).collect();
         let title = format!("Rename the codel to `{to}`");
         vec![TextFix { kind: FixKind::Guess, title, edits }]
     }

@@ -67,7 +67,7 @@ impl Pacer {
         let now = self.begin.elapsed();
         match until.checked_sub(now) {
             Some(left) => std::thread::sleep(left),
-            None => self.latest = self.latest.max(now.checked_sub(until).unwrap()),
+            None => self.latest = self.latest.max(now.saturating_sub(until)),
         }
     }
 

@@ -83,13 +83,7 @@ fn only_what_has_changed_is_compiled() {
         let folder =
             std::fs::read_dir(directory.path().join(".dotgen/run/valve/objects")).expect("objects");
         let names = folder.flatten().map(|folder| folder.file_name().into_string().expect("UTF-8"));
-        let mut names: Vec<String> = names
-            .filter(|name| {
-                std::path::Path::new(name)
-                    .extension()
-                    .is_some_and(|ext| ext.eq_ignore_ascii_case("o"))
-            })
-            .collect();
+        let mut names: Vec<String> = names.filter(|name| name.ends_with(".o")).collect();
         names.sort();
         names.into_iter().map(|name| format!("objects/{name}")).collect()
     };

@@ -123,13 +123,7 @@ impl Conversion {
                 Source::Default if leaf.base == Base::String => Scalar::Text(Vec::new()),
                 Source::Default => Scalar::Integer(leaf.default.into()),
                 Source::Constant(value) => Scalar::constant(value),
-                Source::Now
-                    if std::path::Path::new(&leaf.path)
-                        .extension()
-                        .is_some_and(|ext| ext.eq_ignore_ascii_case("sec")) =>
-                {
-                    Scalar::Integer(now.sec.into())
-                }
+                Source::Now if leaf.path.ends_with(".sec") => Scalar::Integer(now.sec.into()),
                 Source::Now => Scalar::Integer(now.nanosec.into()),
                 Source::Member(..) => match member {
                     Some(value) => value,

@@ -63,7 +63,9 @@ export async function showNewComponent(state: vscode.Memento): Promise<void> {
   const uri = state.get<string>(OPENED);
   if (uri !== undefined && vscode.workspace.getWorkspaceFolder(vscode.Uri.parse(uri)) !== undefined) {
     await state.update(OPENED, undefined);
-    await vscode.window.showTextDocument(vscode.Uri.parse(uri));
+    // Its step of the walkthrough is done.
+    await vscode.commands.executeCommand('setContext', 'dotgen.componentMade', true);
+    await vscode.window.showTextDocument(vscode.Uri.parse(uri)).then(undefined, () => undefined);
   }
 }
 

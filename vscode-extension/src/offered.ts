@@ -1,6 +1,6 @@
 import * as vscode from 'vscode';
 
-/** More than the actions of the last two requests. */
+/** Far more than a menu shows. The oldest is dropped. */
 const KEPT = 256;
 
 /**

@@ -30,11 +30,7 @@ fn of_folder(folder: &Path) -> Result<usize> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if path.is_dir() && name != "tests" {
             lines += of_folder(&path)?;
-        } else if std::path::Path::new(&name)
-            .extension()
-            .is_some_and(|ext| ext.eq_ignore_ascii_case("rs"))
-            && name != "tests.rs"
-        {
+        } else if name.ends_with(".rs") && name != "tests.rs" {
             lines += without_tests(&std::fs::read_to_string(&path)?);
         }
     }

@@ -228,12 +228,7 @@ fn licence_texts(directory: &Path) -> Result<BTreeSet<String>> {
         for entry in std::fs::read_dir(&folder)? {
             let entry = entry?;
             let name = entry.file_name().to_string_lossy().to_lowercase();
-            let source = std::path::Path::new(&name)
-                .extension()
-                .is_some_and(|ext| ext.eq_ignore_ascii_case("rs"))
-                || std::path::Path::new(&name)
-                    .extension()
-                    .is_some_and(|ext| ext.eq_ignore_ascii_case("js"));
+            let source = name.ends_with(".rs") || name.ends_with(".js");
             let named = WORDS.iter().any(|word| name.contains(word)) || FONTS.contains(&&*name);
             if entry.file_type()?.is_file() && named && !source {
                 let text = String::from_utf8_lossy(&std::fs::read(entry.path())?).into_owned();

@@ -27,7 +27,7 @@ impl fmt::Display for Noun {
     }
 }
 
-/// What a declaration is, shown with its article: `an enum`.
+/// The kind of a declaration. Its text has the article: `an enum`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Described {
     pub noun: &'static str,

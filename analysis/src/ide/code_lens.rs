@@ -80,6 +80,9 @@ pub struct LensText {
 /// Maximum number of lenses above a line. The details of the first have the others.
 const MOST_IN_A_LINE: usize = 3;
 
+/// Maximum number of declarations in the details of a lens.
+const MOST_DETAILS: usize = 20;
+
 /// Maximum number of characters of all lenses above a line: they fit beside the explorer of a window with a
 /// width of 1000 pixels.
 const LINE: usize = 90;
@@ -93,14 +96,9 @@ pub(crate) fn code_lenses(view: &FileView<'_>, config: &LensConfig) -> Vec<CodeL
         if !matches!(definition.kind, Task | Activity | Port | IdsMember) {
             continue;
         }
-        let Some((file, place)) = view.place(definition.src) else {
+        let Some(range) = written(view, definition) else {
             continue;
         };
-        let range = bytes(place);
-        // Names that come out of macros have no line of their own.
-        if file != view.file || view.text().get(range.clone()) != Some(&definition.name) {
-            continue;
-        }
         let kind = match definition.entity {
             Some(Entity::Task(component, task)) => {
                 machine(elaborated, component, Owner::Task(task), &definition.name)
@@ -117,11 +115,25 @@ pub(crate) fn code_lenses(view: &FileView<'_>, config: &LensConfig) -> Vec<CodeL
         out.extend(kind.map(|kind| CodeLens { range, kind }));
     }
     out.sort_by_key(|lens| lens.range.start);
-    let lines: Vec<Range<usize>> = out.iter().map(|lens| line(view, lens.range.start)).collect();
-    let mut numbers =
-        (0..lines.len()).map(|i| lines[..i].iter().filter(|it| **it == lines[i]).count());
-    out.retain(|_| numbers.next().is_some_and(|number| number < MOST_IN_A_LINE));
+    let (mut last, mut in_line) = (0, 0);
+    out.retain(|lens| {
+        let start = lens.range.start;
+        if view.text()[last..start].contains('\n') {
+            in_line = 0;
+        }
+        (last, in_line) = (start, in_line + 1);
+        in_line <= MOST_IN_A_LINE
+    });
     out
+}
+
+/// The name of a definition in the text of the file. `None` for a name that comes out of a macro: it has no
+/// line of its own.
+fn written(view: &FileView<'_>, definition: &Definition) -> Option<Range<usize>> {
+    let (file, place) = view.place(definition.src)?;
+    let range = bytes(place);
+    let is_here = file == view.file && view.text().get(range.clone()) == Some(&definition.name);
+    is_here.then_some(range)
 }
 
 /// The line of an offset.
@@ -276,29 +288,26 @@ pub(crate) fn resolve(view: &FileView<'_>, kind: &LensKind) -> Option<LensText> 
     }
 }
 
-/// The ports and members of the ids with users that are declared in the line of an offset, by place.
+/// The ports and members of the ids with users that are declared in the line of an offset, by place. Of a long
+/// line, only the first ones.
 fn accesses_in_line<'v>(
     view: &'v FileView<'_>,
     offset: usize,
 ) -> Vec<(usize, &'v SmolStr, Accesses)> {
     let elaborated = view.elaborated();
     let line = line(view, offset);
-    let mut out = Vec::new();
-    for definition in &elaborated.definitions {
-        if !matches!(definition.kind, DefKind::Port | DefKind::IdsMember) {
-            continue;
-        }
-        let place = view.place(definition.src).filter(|(file, _)| *file == view.file);
-        let at = place.map(|(_, place)| bytes(place).start);
-        if let Some(at) = at.filter(|at| line.contains(at)) {
-            let all = accesses(elaborated, definition);
-            if !all.is_empty() {
-                out.push((at, &definition.name, all));
-            }
-        }
-    }
-    out.sort_by_key(|entry| entry.0);
-    out
+    let declared = elaborated
+        .definitions
+        .iter()
+        .filter(|definition| matches!(definition.kind, DefKind::Port | DefKind::IdsMember));
+    let here =
+        declared.filter_map(|definition| Some((written(view, definition)?.start, definition)));
+    let mut here: Vec<_> = here.filter(|entry| line.contains(&entry.0)).collect();
+    here.sort_by_key(|entry| entry.0);
+    let all = here
+        .into_iter()
+        .map(|(at, definition)| (at, &definition.name, accesses(elaborated, definition)));
+    all.filter(|entry| !entry.2.is_empty()).take(MOST_DETAILS).collect()
 }
 
 #[cfg(test)]

@@ -38,12 +38,9 @@ fn names_of_events(lint: &mut Lint) {
     let prefix = format!("{}_", component.name);
     let codels = || component.all_codels().map(|codel| component.codel(codel));
     let states = || codels().flat_map(|codel| codel.triggers.iter().chain(&codel.yields));
-    let mut found: Vec<(Src, LintWarning)> = Vec::new();
-    for at in component.all_codels() {
-        let codel = component.codel(at);
-        let Some(rest) = codel.name.strip_prefix(&prefix) else {
-            continue;
-        };
+    // The state whose event has a name.
+    let event = |name: &str| -> Option<Name> {
+        let rest = name.strip_prefix(&prefix)?;
         let (paused, state) = match rest.strip_prefix("pause_") {
             Some(state) => (true, state),
             None => (false, rest),
@@ -53,14 +50,18 @@ fn names_of_events(lint: &mut Lint) {
         };
         // Every machine ends in `ether`, even if it is not written.
         let ether = || (rest == "ether").then(|| Name::from(rest));
-        let state = states().find(|state| same(state)).map(|state| state.name.clone());
-        if let Some(state) = state.or_else(ether) {
+        states().find(|state| same(state)).map(|state| state.name.clone()).or_else(ether)
+    };
+    let mut found: Vec<(Src, LintWarning)> = Vec::new();
+    for at in component.all_codels() {
+        let codel = component.codel(at);
+        if let Some(state) = event(&codel.name) {
             let owner = match at.owner {
                 Owner::Task(task) => &component.tasks[task as usize].name,
                 Owner::Service(service) => &component.services[service as usize].name,
             };
-            let mut free = format!("{prefix}{owner}_{rest}");
-            while codels().any(|other| *other.name == *free) {
+            let mut free = format!("{prefix}{owner}_{}", &codel.name[prefix.len()..]);
+            while event(&free).is_some() || codels().any(|other| *other.name == *free) {
                 free.push('_');
             }
             let (codel_name, free) = (codel.name.clone(), free.into());

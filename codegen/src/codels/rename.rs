@@ -159,13 +159,15 @@ pub fn rename(
 
 /// Checks that no source declares one of the new names.
 fn check_free(folder: &Folder, names: &Names) -> Result<(), RenameRefusal> {
-    for ((scopes, _), to) in &names.globals {
+    let functions = names.clashing.values().flatten().map(|to| (true, to));
+    let globals = names.globals.iter().map(|((scopes, _), to)| (scopes.is_empty(), to));
+    for (is_global, to) in globals.chain(functions) {
         let free = |file: &&IndexedFile| {
             !file.index().names.contains(to)
                 && !file.index().macros.iter().any(|definition| definition.name == *to)
         };
         let given_up = names.globals.contains_key(&(Vec::new(), to.clone()));
-        if scopes.is_empty()
+        if is_global
             && !given_up
             && let Some(file) = folder.sources.all().find(|file| !free(file))
         {
@@ -426,6 +428,11 @@ impl<'a> File<'a> {
                 if self.names.members.keys().any(|key| key.1 == name) {
                     self.leave(at, &name, UnchangedReason::Macro);
                 }
+            } else if let Some(function) = self.names.clashing.get(&name) {
+                // The codel or the event.
+                if function.is_some() || self.respelled(&name).is_some() {
+                    self.leave(at, &name, UnchangedReason::Macro);
+                }
             } else if let Some(to) = self.names.globals.get(&(Vec::new(), name.clone())).cloned() {
                 self.edit(at..at + name.len(), &to);
             } else if self.names.globals.keys().any(|key| key.1 == name) {
@@ -476,7 +483,10 @@ impl<'a> File<'a> {
         for (number, (at, word)) in all.into_iter().enumerate() {
             let to = match number == last {
                 true => self.names.owners.get(word).map(ToString::to_string),
-                false if word == generated.codel.as_str() => self.respelled(word),
+                false if word == generated.codel.as_str() => match self.names.clashing.get(word) {
+                    Some(function) => function.as_ref().map(ToString::to_string),
+                    None => self.respelled(word),
+                },
                 false => None,
             };
             if let Some(to) = to {

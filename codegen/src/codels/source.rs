@@ -256,6 +256,20 @@ impl Function {
 
 /// Places where an identifier is used (not in comments or strings), in text order.
 pub fn mentions(text: &str, grammar: Grammar, name: &str) -> Vec<Span> {
+    places(text, grammar, name, |_| true)
+}
+
+/// Places where a function is declared, defined or called, in text order.
+pub(crate) fn function_mentions(text: &str, grammar: Grammar, name: &str) -> Vec<Span> {
+    places(text, grammar, name, place::is_function_name)
+}
+
+fn places(
+    text: &str,
+    grammar: Grammar,
+    name: &str,
+    is_wanted: impl Fn(tree_sitter::Node<'_>) -> bool,
+) -> Vec<Span> {
     let mut out = Vec::new();
     if name.is_empty() || !text.contains(name) {
         return out;
@@ -268,6 +282,7 @@ pub fn mentions(text: &str, grammar: Grammar, name: &str) -> Vec<Span> {
             && node.is_named()
             && node.kind().ends_with("identifier")
             && ctype::source(node, text) == name
+            && is_wanted(node)
         {
             out.push(node.byte_range());
         }

@@ -112,8 +112,6 @@ pub struct CapturedConsole {
     input: std::io::Cursor<Vec<u8>>,
 }
 
-impl CapturedConsole {}
-
 impl Console for CapturedConsole {
     fn out(&mut self, bytes: &[u8]) {
         self.out.extend_from_slice(bytes);

@@ -1,13 +1,14 @@
 //! Files that templates write: modes, merging, permissions, and destinations.
 
+mod concern;
 mod permissions;
 mod staged;
 
 use std::collections::BTreeMap;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
-use std::{fmt, io};
 
 use dotgen_syntax::encoding;
 
@@ -16,6 +17,8 @@ use super::merge::{self, Choice, Conflict};
 use super::{Confinement, Confirmation, Failure, readable_files};
 use crate::disk::{Disk, WriteError};
 use crate::process::{Channels, Processes, Program, Resources};
+pub use concern::Concern;
+use concern::{concern, is_new_executable};
 pub(crate) use permissions::Rights;
 pub(crate) use staged::StagedFiles;
 
@@ -30,46 +33,6 @@ pub struct PreviewFile {
     pub mode: Option<u32>,
     /// The reason why the user must review the file: see [`Confirmation::Shown`].
     pub concern: Option<Concern>,
-}
-
-/// The reason why a result needs confirmation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Concern {
-    /// The file or a folder around it is hidden.
-    pub hidden: bool,
-    /// The file becomes executable.
-    pub executable: bool,
-}
-
-impl fmt::Display for Concern {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match (self.hidden, self.executable) {
-            (true, true) => "hidden and executable",
-            (true, false) => "hidden",
-            (false, _) => "executable",
-        })
-    }
-}
-
-/// Permission bits that make a file executable, or executable with the rights of others.
-const EXECUTABLE: u32 = 0o7111;
-
-/// The reason why a result needs confirmation, if any. `mode` is the mode set by the template.
-fn concern(
-    disk: &dyn Disk,
-    path: &Path,
-    mode: Option<u32>,
-    folders: &[PathBuf],
-) -> Option<Concern> {
-    let executable = is_new_executable(disk, path, mode);
-    let hidden = readable_files::is_hidden(disk, path, folders);
-    (hidden || executable).then_some(Concern { hidden, executable })
-}
-
-/// Returns true if a file becomes executable.
-fn is_new_executable(disk: &dyn Disk, path: &Path, mode: Option<u32>) -> bool {
-    let had = || disk.status(path).map_or(0, |status| status.mode);
-    mode.is_some_and(|mode| mode & EXECUTABLE & !had() != 0)
 }
 
 /// The destination of the files of a template.

@@ -5,6 +5,7 @@ use std::time::{Duration, SystemTime};
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_codegen::codels::command::{Project, SyncOptions, sync};
+use dotgen_codegen::codels::drift::Repair;
 use dotgen_codegen::codels::edit::apply;
 use dotgen_codegen::codels::files::{Files, FilesConfig, ModificationTime};
 use dotgen_codegen::codels::repair::Repairs;
@@ -109,6 +110,28 @@ fn what_is_saved_together_is_not_ordered() {
     for (a, b) in [(at(9_999), at(0)), (at(0), at(10_000)), (at(0), unsaved), (unsaved, unsaved)] {
         assert!(!a.is_after(b), "{a:?} {b:?}");
     }
+}
+
+/// In C, the event of the state `run` and the function are one word.
+#[test]
+fn a_renamed_function_leaves_the_event_of_its_name() {
+    let specification = "component c {\n  task t {\n    codel<start> c_begin() yield run, ether;\n    \
+         codel<run> c_halt() yield ether;\n  };\n};\n";
+    let code = "genom_event c_run(const genom_context self) { if (0) return c_ether; return c_run; }\n\
+         genom_event c_halt(const genom_context self) { return c_ether; }\n";
+    let fixture = Fixture::new(specification, &[("c_t_codels.c", code)]);
+    let files = Dated { files: &fixture.files, last: "" };
+    let repairs = Repairs {
+        expected: &fixture.expected(),
+        sources: &fixture.sources,
+        locations: &*fixture.unit.locations,
+        text: &files,
+        stubs: &StubOptions::default(),
+    };
+    let rename = Repair::RenameFunction { from: "c_run".into(), to: "c_begin".into() };
+    let edit = repairs.edit(&rename).expect("an edit");
+    let after = apply(code, &edit.changed[Utf8Path::new(SOURCE)]);
+    assert_eq!(after, code.replace("genom_event c_run(", "genom_event c_begin("));
 }
 
 #[test]

@@ -142,7 +142,8 @@ fn renamed(at: &str, to: &str) -> (Vec<String>, Vec<String>) {
 fn a_codel_and_an_event_of_one_name_are_two_things() {
     let specification = "component c {\n  lang \"c\";\n  task t {\n    codel<start> c_run() yield run, ether;\n    \
         codel<run> c_halt() yield ether;\n  };\n};\n";
-    let code = "#include \"acc.h\"\ngenom_event\nc_run(const genom_context self)\n{\n  if (0) return c_ether;\n  \
+    let code = "#include \"acc.h\"\n/* --- Task t --- */\n\n\
+        /** Codel c_run of task t.\n *\n * Triggered by c_start.\n * Yields to c_run, c_ether.\n */\ngenom_event\nc_run(const genom_context self)\n{\n  if (0) return c_ether;\n  \
         return c_run;\n}\ngenom_event\nc_halt(const genom_context self)\n{\n  (void)c_run(self);\n  return c_ether;\n}\n";
     let before = Before::memory(specification, &[("codels/c_t_codels.c", code)]);
     let source = |after: After| after.files.texts[Utf8Path::new("/codels/c_t_codels.c")].clone();
@@ -150,6 +151,8 @@ fn a_codel_and_an_event_of_one_name_are_two_things() {
     let after = before.rename(at, "c_begin").expect("a rename").expect("the codels follow");
     let code_of = |function: &str, event: &str| {
         code.replace("\nc_run(", &format!("\n{function}("))
+            .replace("Codel c_run", &format!("Codel {function}"))
+            .replace("to c_run", &format!("to {event}"))
             .replace(")c_run(", &format!("){function}("))
             .replace("return c_run;", &format!("return {event};"))
     };
@@ -157,6 +160,11 @@ fn a_codel_and_an_event_of_one_name_are_two_things() {
     let at = specification.find("codel<run>").expect("the state") + "codel<".len();
     let after = before.rename(at, "go").expect("a rename").expect("the codels follow");
     assert_eq!(source(after), code_of("c_run", "c_go"));
+    // A name that the sources declare is refused for a codel of either kind.
+    let taken = code.replace("c_halt(const", "c_begin(const") + "int c_other;\n";
+    let before = Before::memory(specification, &[("codels/c_t_codels.c", &taken)]);
+    let at = specification.find("c_run").expect("the codel");
+    assert!(before.rename(at, "c_other").expect("a rename").is_err());
 }
 
 #[test]

@@ -204,7 +204,7 @@ impl State {
             tracing::error!("the writer panicked: {message}");
             let open = self.documents.open_files().keys().cloned();
             let files = self.host.known_at("".into()).into_iter().chain(open).collect();
-            self.pending = Pending::everything(files);
+            self.pending = Pending::everything(files, self.listings.is_listed);
         }
     }
 }

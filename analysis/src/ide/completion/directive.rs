@@ -311,14 +311,8 @@ fn include(view: &FileView<'_>, operand: &str, at: usize, out: &mut Completions)
             if entry.is_dir {
                 out.add(format!("{}/", entry.name), CompletionKind::Directory, 2);
             } else if !own && specification {
-                let rank = u8::from(
-                    !(std::path::Path::new(&entry.name)
-                        .extension()
-                        .is_some_and(|ext| ext.eq_ignore_ascii_case("idl"))
-                        || std::path::Path::new(&entry.name)
-                            .extension()
-                            .is_some_and(|ext| ext.eq_ignore_ascii_case("gen"))),
-                );
+                let rank =
+                    u8::from(!(entry.name.ends_with(".idl") || entry.name.ends_with(".gen")));
                 out.add(entry.name, CompletionKind::Symbol(SymbolKind::File), rank).detail =
                     Some(dir.to_string());
             }

@@ -6,7 +6,12 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::model::CodelRef;
 
 use super::Repairs;
-use crate::codels::{edit::Edit, files::IndexedFile, source::mentions, stub::Stubs};
+use crate::codels::{
+    edit::Edit,
+    files::IndexedFile,
+    source::{function_mentions, mentions},
+    stub::Stubs,
+};
 use crate::lang::LangError;
 
 impl Repairs<'_> {
@@ -126,7 +131,10 @@ impl Repairs<'_> {
     pub(super) fn rename_function(&self, from: &str, to: &str) -> Edit {
         let mut edit = Edit::default();
         for file in self.sources.all() {
-            for range in mentions(&file.text, file.grammar, from) {
+            // In C, an event can have the name too.
+            let is_event = self.expected.events.contains_key(from);
+            let find = if is_event { function_mentions } else { mentions };
+            for range in find(&file.text, file.grammar, from) {
                 edit.replace(&file.path, range, to);
             }
             let comments = file.index().functions.iter().flat_map(|function| &function.comments);

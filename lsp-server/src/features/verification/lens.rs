@@ -203,8 +203,8 @@ fn whole(entry: &Entry) -> String {
     }
 }
 
-/// Shown for a task without jobs.
-const NEVER: &str = "never runs";
+/// Shown for a task of which no job is measured: it is never released, or has no period.
+const NEVER: &str = "no job to verify";
 
 /// The first sign of a verdict, the worst first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -279,7 +279,9 @@ fn verdict(entry: &Entry, task: DeclaredTask) -> Option<(Mark, String)> {
     if let Some(check) = first(Verdict::Conditional) {
         return say(Mark::Unsettled, &and_measured(&ground::short(&check.report.conditions)));
     }
-    say(Mark::Holds, measured.as_deref().unwrap_or("deadlines met"))
+    let of_deadlines = |check: &&CheckView| check.report.kind == PropertyKind::Schedulable;
+    let holds = if all.iter().any(of_deadlines) { "deadlines met" } else { "checks hold" };
+    say(Mark::Holds, measured.as_deref().unwrap_or(holds))
 }
 
 /// `not settled in 10 s, any client`: the causes that a user can change, not the progress of the search.

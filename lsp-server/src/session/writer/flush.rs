@@ -26,9 +26,10 @@ pub(super) struct Pending {
 }
 
 impl Pending {
-    pub(super) fn everything(files: FxHashSet<Utf8PathBuf>) -> Pending {
+    /// All files and settings. `indexed`: see [`Change::indexed`].
+    pub(super) fn everything(files: FxHashSet<Utf8PathBuf>, indexed: bool) -> Pending {
         let (roots, config, packages, active, chosen) = (true, true, true, true, true);
-        Pending { files, roots, config, packages, active, chosen, indexed: None }
+        Pending { files, roots, config, packages, active, chosen, indexed: indexed.then_some(true) }
     }
 }
 

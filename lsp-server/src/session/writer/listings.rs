@@ -19,7 +19,7 @@ pub(super) struct Listings {
     /// Number of listings in progress.
     pub(super) running: usize,
     /// True after the first listing.
-    is_listed: bool,
+    pub(super) is_listed: bool,
     /// The number of the last requested listing.
     pub(super) last: u64,
     /// Requests that wait for the end of the listing.
