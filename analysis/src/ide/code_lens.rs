@@ -288,8 +288,8 @@ pub(crate) fn resolve(view: &FileView<'_>, kind: &LensKind) -> Option<LensText> 
     }
 }
 
-/// The ports and members of the ids with users that are declared in the line of an offset, by place. Of a long
-/// line, only the first ones.
+/// The ports and members of the ids with users that are declared in the line of an offset, by place. Of a
+/// long line, only the first ones.
 fn accesses_in_line<'v>(
     view: &'v FileView<'_>,
     offset: usize,
