@@ -43,6 +43,7 @@ use crate::{
     elab::{Access, DefKind},
     model::ServiceKind,
 };
+pub use allow::is_about_comment;
 pub use assists::{Assist, AssistKind, TaskTime};
 pub use call_hierarchy::{Call, CallItem, CallKey};
 pub use code_lens::{CodeLens, LensConfig, LensKind, LensText};

@@ -34,7 +34,10 @@ pub fn share_of(seconds: f64, whole: f64) -> String {
 fn number_and_unit(seconds: f64) -> (String, &'static str) {
     let micros = seconds * 1e6;
     match micros.abs() {
-        number if number >= 1e6 && is_whole(number / 1e5) => (decimal(micros / 1e6), "s"),
+        number if number >= 6e8 => (decimal(micros / 6e7), "min"),
+        number if number >= 1e7 || number >= 1e6 && is_whole(number / 1e5) => {
+            (decimal(micros / 1e6), "s")
+        }
         number if number >= 1e3 || number == 0.0 => (decimal(micros / 1e3), "ms"),
         number if number >= 1.0 => (decimal(micros), "µs"),
         _ => (decimal(micros * 1e3), "ns"),

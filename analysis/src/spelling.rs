@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use dotgen_syntax::{SyntaxKind, lexer::lex};
 
-/// Words of the language with the same meaning (language reference, 2.3) that edits write.
+/// Words of the language with the same meaning (language reference, 3.3) that edits write.
 const PAIRS: [[&str; 2]; 3] =
     [["yield", "yields"], ["throw", "throws"], ["interrupt", "interrupts"]];
 

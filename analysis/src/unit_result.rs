@@ -40,12 +40,16 @@ impl UnitResult {
         !self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
     }
 
-    /// Returns true if its text has errors: files missing on this machine are not errors of the text.
-    pub fn has_errors_in_text(&self) -> bool {
-        let mut all = self.diagnostics.iter();
-        all.any(|diagnostic| {
+    /// Returns the errors of its text: files missing on this machine are not errors of the text.
+    pub fn errors_in_text(&self) -> impl Iterator<Item = &Diagnostic> {
+        self.diagnostics.iter().filter(|diagnostic| {
             diagnostic.severity == Severity::Error && !codes::is_environment(diagnostic.code)
         })
+    }
+
+    /// Returns true if its text has [errors](Self::errors_in_text).
+    pub fn has_errors_in_text(&self) -> bool {
+        self.errors_in_text().next().is_some()
     }
 
     /// Returns true if some of its text does not parse.

@@ -95,7 +95,8 @@ impl RunConnection {
         let Some(Ok(line)) = self.lines.next() else {
             return Ok(None);
         };
-        let message: Value = serde_json::from_str(&line).context("the run says no JSON")?;
+        let message: Value =
+            serde_json::from_str(&line).context("the answer of the run is not valid JSON")?;
         refused(&message)?;
         Ok(Some(message))
     }
@@ -115,7 +116,7 @@ impl RunConnection {
 
 pub(super) fn call(arguments: &Call) -> anyhow::Result<Outcome> {
     let input: Value = serde_json::from_str(&arguments.input)
-        .context("the inputs are no JSON: give an object, for example '{\"height\": 2}'")?;
+        .context("the inputs are not valid JSON: give an object, for example '{\"height\": 2}'")?;
     if !arguments.zenoh_connect.is_empty() {
         return call_elsewhere(arguments, &input);
     }

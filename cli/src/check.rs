@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use dotgen_analysis::codes::{is_environment, severity_here};
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_analysis::host::Analysis;
-use dotgen_analysis::language::SPECIFICATION;
+use dotgen_analysis::language::{SCENARIO, SPECIFICATION};
 use dotgen_timing::scn::names::Names;
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -29,7 +29,8 @@ const UNREADABLE: &str = "pp-input";
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Specifications, scenarios (.scn), directories to search for .gen files, or - for standard input
-    #[arg(value_name = "PATH", required = true)]
+    /// [default: the specifications and scenarios of this folder]
+    #[arg(value_name = "PATH")]
     paths: Vec<Utf8PathBuf>,
 
     /// Output format of diagnostics
@@ -81,7 +82,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         !arguments.unsafe_fixes || arguments.fix || arguments.diff,
         "`--unsafe-fixes` needs `--fix` or `--diff`"
     );
-    let (files, mut trouble) = session::usable_files(&arguments.paths, &[SPECIFICATION]);
+    // The scenarios of the folder belong to it, unless paths name what is checked.
+    let extensions: &[&str] =
+        if arguments.paths.is_empty() { &[SPECIFICATION, SCENARIO] } else { &[SPECIFICATION] };
+    let (files, mut trouble) =
+        session::usable_files(&session::or_here(&arguments.paths), extensions);
     if files.is_empty() {
         return Ok(trouble.outcome(Outcome::Fine));
     }
@@ -134,6 +139,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     report.finish();
     report::print(&report, arguments.format)?;
+    if arguments.fix && !arguments.unsafe_fixes {
+        note_left(&report.diagnostics);
+    }
     if report.diagnostics.iter().any(|diagnostic| diagnostic.code == UNREADABLE) {
         trouble.told();
     }
@@ -141,6 +149,22 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         0 => Outcome::Fine,
         _ => Outcome::Errors,
     }))
+}
+
+/// Reports the fixes of errors that were not applied.
+fn note_left(found: &[Diagnostic]) {
+    let guessed = found.iter().filter(|diagnostic| {
+        let fix = diagnostic.fixes.first();
+        fix.is_some_and(|fix| fix::Applied::AlsoGuesses.includes(fix, diagnostic.severity))
+    });
+    let left = match guessed.count() {
+        0 => return,
+        1 => "1 fix is a guess and was not applied: `--unsafe-fixes` applies it".to_owned(),
+        count => {
+            format!("{count} fixes are guesses and were not applied: `--unsafe-fixes` applies them")
+        }
+    };
+    report::note(&left);
 }
 
 /// Adds the diagnostics of the files of a session. A file that cannot be read is reported, and the others are
@@ -231,6 +255,7 @@ fn scenario_with(
         let specs = problem.specs();
         let unknown = Names::new(&specs).unknown_names(&problem.scenario);
         found.extend(unknown.iter().map(|unknown_name| problem.diagnostic(unknown_name)));
+        found.extend(problem.warnings.iter().cloned());
     }
     Ok(found)
 }

@@ -50,8 +50,8 @@ enum Command {
 /// parse, 2 if a file cannot be read.
 #[derive(Debug, Args)]
 struct Check {
-    /// Specifications, directories to search for .gen files, or - for standard input
-    #[arg(value_name = "PATH", required = true)]
+    /// Specifications, directories to search for .gen files, or - for standard input [default: .]
+    #[arg(value_name = "PATH")]
     paths: Vec<Utf8PathBuf>,
 
     /// Output format
@@ -89,8 +89,8 @@ struct Stub {
 /// Apply every unambiguous fix: stubs, prototypes, comments, missing yields and throws
 #[derive(Debug, Args)]
 struct Sync {
-    /// Specifications, and directories to search for .gen files
-    #[arg(value_name = "PATH", required = true)]
+    /// Specifications, and directories to search for .gen files [default: .]
+    #[arg(value_name = "PATH")]
     paths: Vec<Utf8PathBuf>,
 
     /// Write nothing; print the changes
@@ -151,7 +151,7 @@ fn roots(session: &Session) -> Vec<Utf8PathBuf> {
 }
 
 fn check(arguments: &Check) -> anyhow::Result<Outcome> {
-    let (files, mut trouble) = session::specifications(&arguments.paths);
+    let (files, mut trouble) = session::specifications(&session::or_here(&arguments.paths));
     let mut report = FileReports::default();
     let mut errors = Vec::new();
     let mut broken = false;
@@ -280,7 +280,7 @@ fn yield_of_codel(text: &str) -> Result<(String, String), String> {
 }
 
 fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
-    let (files, mut trouble) = session::specifications(&arguments.paths);
+    let (files, mut trouble) = session::specifications(&session::or_here(&arguments.paths));
     check_is_file(&arguments.paths)?;
     let options =
         SyncOptions { remove_yields: arguments.remove_yield.clone(), ..SyncOptions::default() };

@@ -1,10 +1,11 @@
 //! `dotgen explain`
 
-use std::io::Write;
+use std::io::{IsTerminal as _, Write as _};
 
 use clap::Args;
 
 use super::Outcome;
+use super::width::wrapped;
 use dotgen_views::manual;
 
 /// Print the manual page of a diagnostic
@@ -33,6 +34,19 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         let near = near.unwrap_or_else(|| "; `dotgen explain` lists all codes".to_owned());
         anyhow::bail!("there is no diagnostic `{code}`{near}");
     };
-    out.write_all(text.as_bytes())?;
+    // Programs read the page as it is.
+    if !out.is_terminal() {
+        out.write_all(text.as_bytes())?;
+        return Ok(Outcome::Fine);
+    }
+    let mut is_code = false;
+    for line in text.lines() {
+        is_code ^= line.starts_with("```");
+        if is_code {
+            writeln!(out, "{line}")?;
+        } else {
+            writeln!(out, "{}", wrapped(line, 0, 0))?;
+        }
+    }
     Ok(Outcome::Fine)
 }

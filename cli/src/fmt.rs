@@ -52,13 +52,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         }
         return standard_input(arguments.check);
     }
-    let here = [Utf8PathBuf::from(".")];
-    let paths = match arguments.paths.as_slice() {
-        [] => &here[..],
-        paths => paths,
-    };
     // In directories, files that are only included are formatted too.
-    let (files, mut trouble) = session::usable_files(paths, &["gen", "idl", "scn"]);
+    let paths = session::or_here(&arguments.paths);
+    let (files, mut trouble) = session::usable_files(&paths, &["gen", "idl", "scn"]);
+    let count = files.len();
     let mut changed = Vec::new();
     for session in session::open(files, &arguments.reading)? {
         for file in &session.files {
@@ -85,7 +82,18 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     let differs = !changed.is_empty();
     if !arguments.check {
-        trouble.ok_or_report(SystemDisk.write(&changed).map_err(Into::into));
+        let written = SystemDisk.write(&changed).map_err(Into::into);
+        if trouble.ok_or_report(written).is_some() {
+            let counted = |count: usize, what: &str| match count {
+                0 => None,
+                1 => Some(format!("1 file {what}")),
+                _ => Some(format!("{count} files {what}")),
+            };
+            let formatted = counted(changed.len(), "formatted");
+            let others = counted(count - changed.len(), "left as before");
+            let parts: Vec<String> = formatted.into_iter().chain(others).collect();
+            report::note(&parts.join(", "));
+        }
     }
     Ok(trouble.outcome(if arguments.check && differs { Outcome::Errors } else { Outcome::Fine }))
 }

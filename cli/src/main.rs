@@ -12,6 +12,7 @@ mod diagram;
 mod explain;
 mod fmt;
 mod generate;
+mod help;
 mod logging;
 mod lsp;
 mod man;
@@ -22,10 +23,12 @@ mod new;
 mod outputs;
 #[cfg(unix)]
 mod play;
+mod progress;
 mod query;
 mod replay;
 mod report;
 mod run;
+mod scenario;
 mod session;
 mod suggestion;
 #[cfg(unix)]
@@ -39,7 +42,7 @@ mod write;
 
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, FromArgMatches as _, Parser, Subcommand};
 use dotgen_analysis::release::Release;
 use dotgen_analysis::terminal;
 use dotgen_syntax::encoding;
@@ -73,6 +76,7 @@ enum Command {
     Tree(tree::Arguments),
     Model(model::Arguments),
     Verify(verify::Arguments),
+    Scenario(scenario::Arguments),
     Run(Box<run::Arguments>),
     #[cfg(unix)]
     Call(call::Call),
@@ -169,7 +173,9 @@ fn main() -> ExitCode {
     if let Some(status) = generate::intercept() {
         return status;
     }
-    let cli = Cli::try_parse().unwrap_or_else(|error| suggestion::add_suggestion(error).exit());
+    let parsed =
+        help::command().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
+    let cli = parsed.unwrap_or_else(|error| suggestion::add_suggestion(error).exit());
     cli.color.set();
     if let Err(message) = dotgen_lsp_server::config::release_of_environment() {
         failure(&anyhow::Error::msg(message));
@@ -188,6 +194,7 @@ fn main() -> ExitCode {
         Command::Tree(arguments) => tree::run(&arguments),
         Command::Model(arguments) => model::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
+        Command::Scenario(arguments) => scenario::run(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         #[cfg(unix)]
         Command::Call(arguments) => call::call(&arguments),
@@ -232,8 +239,10 @@ fn failure(error: &anyhow::Error) {
     let style = clap::builder::styling::AnsiColor::Red.on_default().bold();
     let error = format!("{error:#}");
     let error = terminal::text(&error);
+    let error = encoding::shown(&error);
+    let error = width::wrapped_for_errors(&error, "error: ".len(), 2);
     // If standard error is closed, nothing can be reported.
-    let _ = writeln!(anstream::stderr(), "{style}error{style:#}: {}", encoding::shown(&error));
+    let _ = writeln!(anstream::stderr(), "{style}error{style:#}: {error}");
 }
 
 #[cfg(all(test, unix))]

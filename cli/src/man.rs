@@ -1,11 +1,11 @@
 //! `dotgen man`
 
 use camino::Utf8PathBuf;
-use clap::{Args, CommandFactory};
+use clap::Args;
 use clap_mangen::Man;
 use dotgen_codegen::disk::NewContent;
 
-use super::{Cli, Outcome, report};
+use super::{Outcome, report};
 
 /// Write pages for `man`: one for the program and one for each command
 #[derive(Debug, Args)]
@@ -16,7 +16,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
-    let mut command = Cli::command();
+    let mut command = crate::help::command();
     // This passes global options and names down to all subcommands.
     command.build();
     let mut pages = Vec::new();

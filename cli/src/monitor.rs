@@ -22,7 +22,7 @@ use super::run::bounds;
 use super::session::{display, is_standard_input};
 use super::verify::diagnostics::ScenarioDiagnostics;
 use super::verify::{Cores, PolicyName, SemanticsName, cores, interrupt, one_problem};
-use super::wcet::{CHUNK_BYTES, InputFiles, given, open, read_log};
+use super::wcet::{CHUNK_BYTES, InputFiles, input_files, open, read_log};
 use super::{Outcome, SpecificationOptions, report};
 use dotgen_platform::files::disk::Stream;
 
@@ -87,7 +87,7 @@ enum Format {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
-    let files = given(&arguments.files)?;
+    let files = input_files(&arguments.files)?;
     check_files(arguments, &files)?;
     let interrupt = interrupt::on_terminal();
     let Some((session, problem)) = one_problem(&files.texts, &arguments.reading)? else {

@@ -64,6 +64,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         let all = all.iter();
         all.map(|pair| Ok((pair.0.clone(), absolute(&pair.1)?))).collect()
     };
+    anyhow::ensure!(
+        !arguments.name.is_empty(),
+        "a component needs a name: write for example `dotgen new arm`"
+    );
     let name = Utf8Path::new(&arguments.name);
     let folder = absolute(arguments.directory.as_deref().unwrap_or(name))?;
     let tasks = match arguments.tasks.as_slice() {

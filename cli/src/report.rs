@@ -19,6 +19,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::session::{SourceFile, Texts, absolute, display};
+use super::width::wrapped_for_errors;
 use dotgen_platform::files::disk::SystemDisk;
 use dotgen_platform::files::vfs;
 
@@ -123,10 +124,11 @@ pub(super) fn print(report: &FileReports, format: Format) -> anyhow::Result<()> 
 
 /// Prints a note on standard error.
 pub(super) fn note(text: &str) {
-    use std::io::Write;
+    use std::io::Write as _;
     let style = clap::builder::styling::AnsiColor::Cyan.on_default().bold();
     let text = encoding::shown(text);
     let text = terminal::text(&text);
+    let text = wrapped_for_errors(&text, "note: ".len(), 2);
     let _ = writeln!(anstream::stderr(), "{style}note{style:#}: {text}");
 }
 

@@ -51,8 +51,9 @@ use scenario::{Ended, one};
 /// run ended early, 4 if something had not ended within --stop-within.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Scenarios (.scn), specifications (.gen), and directories to search for .gen files
-    #[arg(value_name = "FILE", required = true)]
+    /// Scenarios (.scn), specifications (.gen), and directories to search for .gen files [default: the
+    /// scenario in this directory, else .]
+    #[arg(value_name = "FILE")]
     files: Vec<Utf8PathBuf>,
 
     /// Clock of the run
@@ -126,7 +127,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     seed: u64,
 
-    /// Execution times of simulated codels, within their intervals
+    /// Execution times on the virtual clock, and of simulated codels, within their intervals
     #[arg(long, value_enum, default_value_t = DurationsName::Random)]
     durations: DurationsName,
 
@@ -159,14 +160,14 @@ pub(super) struct Arguments {
     stop_within: std::time::Duration,
 
     /// Time in which the processes of components expect a sign of the engine, with --clock real; without one
-    /// they execute their `stop` codels by themselves and end
-    #[arg(long, value_name = "TIME", value_parser = watched_within, default_value = "1s")]
-    engine_within: std::time::Duration,
+    /// they execute their `stop` codels by themselves and end [default: 1s]
+    #[arg(long, value_name = "TIME", value_parser = watched_within)]
+    engine_within: Option<std::time::Duration>,
 
     /// Time in which the process of a component that executes cycles without the engine must answer, with
-    /// --clock real; one that does not is ended
-    #[arg(long, value_name = "TIME", value_parser = watched_within, default_value = "2s")]
-    host_within: std::time::Duration,
+    /// --clock real; one that does not is ended [default: 2s]
+    #[arg(long, value_name = "TIME", value_parser = watched_within)]
+    host_within: Option<std::time::Duration>,
 
     /// Write all executions of codels to FILE, in the format of GenoM3's profiler
     #[arg(long, value_name = "FILE")]
@@ -363,6 +364,11 @@ impl Arguments {
                 "`--params` needs `--clock real`; on the virtual clock, a client of the scenario sets attributes",
             ),
             (
+                (self.engine_within.is_some() || self.host_within.is_some()) && virtually,
+                "`--engine-within` and `--host-within` need `--clock real`: on the virtual clock, the engine and \
+                 the components wait for each other",
+            ),
+            (
                 self.is_unit() && virtually,
                 "`--systemd` needs `--clock real`: a run on the virtual clock ends at once",
             ),
@@ -395,7 +401,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let checks: Vec<&str> = arguments.checks.iter().map(|check| body(check)).collect();
     // Every way to end a run also ends its compilers and hosts.
     let interrupt = interrupt::on_signals();
-    let (all, mut trouble) = problems(&arguments.files, &arguments.reading);
+    let (all, mut trouble) =
+        problems(&crate::session::or_scenario_here(&arguments.files)?, &arguments.reading);
     arguments.check(all.len())?;
     #[cfg(unix)]
     if arguments.systemd {

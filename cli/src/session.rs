@@ -4,13 +4,14 @@ use anyhow::{Context, bail};
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::{Analysis, AnalysisHost, Cancellable, Change, FileContent};
-use dotgen_analysis::language::{self, SPECIFICATION};
+use dotgen_analysis::language::{self, SCENARIO, SPECIFICATION};
 use dotgen_analysis::parallel;
 use dotgen_analysis::release::ReleaseOrigin;
 use dotgen_codegen::codels::files::{FilesConfig, Indexes};
 use dotgen_codegen::codels::source::Grammar;
 use dotgen_syntax::encoding;
 use rustc_hash::{FxHashMap, FxHashSet};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
@@ -107,6 +108,36 @@ fn files(argument: &Utf8Path) -> anyhow::Result<Vec<SourceFile>> {
     match found.add(argument, &[SPECIFICATION])?.into_iter().next() {
         Some(error) => Err(error),
         None => Ok(found.files),
+    }
+}
+
+/// Returns the arguments, or without any the folder that the command is in.
+pub(super) fn or_here(arguments: &[Utf8PathBuf]) -> Cow<'_, [Utf8PathBuf]> {
+    match arguments {
+        [] => vec![Utf8PathBuf::from(".")].into(),
+        given => given.into(),
+    }
+}
+
+/// Like [`or_here`]; without arguments, the scenario of the folder stands for it.
+pub(super) fn or_scenario_here(
+    arguments: &[Utf8PathBuf],
+) -> anyhow::Result<Cow<'_, [Utf8PathBuf]>> {
+    if !arguments.is_empty() {
+        return Ok(arguments.into());
+    }
+    let entries = Utf8Path::new(".").read_dir_utf8().context("cannot list this folder")?;
+    let names = entries.flatten().map(|entry| Utf8PathBuf::from(entry.file_name()));
+    let mut scenarios: Vec<_> =
+        names.filter(|name| name.extension() == Some(SCENARIO) && name.is_file()).collect();
+    scenarios.sort();
+    match scenarios.as_slice() {
+        [] => Ok(or_here(arguments)),
+        [_] => Ok(scenarios.into()),
+        several => {
+            let names: Vec<&str> = several.iter().map(|name| name.as_str()).collect();
+            bail!("this folder has several scenarios; name one: {}", names.join(", "))
+        }
     }
 }
 
@@ -418,7 +449,7 @@ impl Session {
             config,
             host,
             packages: configuration.packages.clone(),
-            connections: configuration.connections,
+            connections: configuration.connections.into_iter().map(|(_, one)| one).collect(),
             codels: settings.codels.files(),
             indexes: Arc::default(),
             format: settings.format,

@@ -1,9 +1,5 @@
 //! The help of every command, as one text.
 
-use clap::CommandFactory as _;
-
-use super::Cli;
-
 /// Adds the help of a command, and of all commands below it.
 fn add(command: &clap::Command, path: &str, text: &mut String) {
     let mut command = command.clone().term_width(100);
@@ -22,7 +18,7 @@ fn add(command: &clap::Command, path: &str, text: &mut String) {
 
 #[test]
 fn the_help_of_all_commands() {
-    let mut command = Cli::command();
+    let mut command = crate::help::command();
     command.build();
     let mut text = String::new();
     add(&command, "dotgen", &mut text);

@@ -6,8 +6,8 @@ mod explain;
 pub(super) mod interrupt;
 mod json;
 mod limits;
-mod progress;
-mod text;
+mod table;
+pub(super) mod text;
 
 use std::time::Duration;
 
@@ -22,15 +22,15 @@ use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::explore::{Kind, Limits};
 use dotgen_timing::report::Report;
 use dotgen_timing::scn::ast::{Check, Durations, Policy};
-use dotgen_timing::scn::parse_check;
 use dotgen_timing::scn::semantics::Preset;
+use dotgen_timing::scn::{Platform, parse_check};
 use dotgen_timing::verify::{Cancel, Interrupt, Options, settings};
 
 use self::diagnostics::ScenarioDiagnostics;
-use self::progress::Activity;
 use super::outputs::{self, Output, VIEWER};
 use super::session::{self, ErrorReporter, Session, SourceFile};
 use super::{Outcome, SpecificationOptions, report, trace};
+use crate::progress::{self, Activity};
 use dotgen_platform::files::vfs;
 use dotgen_views::verification::Problem;
 use dotgen_views::verification::changes::Repairs;
@@ -46,12 +46,13 @@ use dotgen_views::verification::why::{self, FailureCause};
 /// request at any time. A directory stands for the .gen files below it. Options override the scenario.
 ///
 /// Exit status: 0 if all checks hold, 1 if a check fails, 2 if nothing could be verified (wrong usage, or a
-/// file that cannot be read or has errors), 3 if no check fails but one was given up or had nothing to verify
-/// (missing execution times).
+/// file that cannot be read or has errors), 3 if no check fails but one was given up, holds only on a
+/// condition, or had nothing to verify (missing execution times).
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Scenarios (.scn), specifications (.gen), and directories to search for .gen files
-    #[arg(value_name = "FILE", required = true)]
+    /// Scenarios (.scn), specifications (.gen), and directories to search for .gen files [default: the
+    /// scenario in this directory, else .]
+    #[arg(value_name = "FILE")]
     files: Vec<Utf8PathBuf>,
 
     /// Number of cores, or `free` for one core per task
@@ -244,7 +245,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     checks.iter().try_for_each(|wanted| check(wanted, 0).map(drop))?;
     let mut answers = Vec::new();
     let interrupt = interrupt::on_terminal();
-    let (all, mut trouble) = problems(&arguments.files, &arguments.reading);
+    let (all, mut trouble) =
+        problems(&session::or_scenario_here(&arguments.files)?, &arguments.reading);
     let written = arguments.trace.iter().chain(&arguments.certificate);
     let written: Vec<Output<'_>> =
         written.map(|path| Output { path, endings: &[VIEWER] }).collect();
@@ -298,7 +300,7 @@ fn answer(
     let doing = format!("verifying {}", problem.scenario.name);
     let first =
         if checks.is_empty() { first::answers(&problem, &options, &cancel) } else { Vec::new() };
-    let report = progress::during(&cancel, &doing, |tell| {
+    let report = progress::during(Some(&cancel), &doing, |tell| {
         problem.verify(&options, &cancel, &|report| {
             tell(Activity { what: doing.clone(), how_far: report.how_far() });
         })
@@ -431,7 +433,8 @@ fn of_specifications(
             names.push(session::display(&file.path));
         }
     }
-    let problem = Problem::default_scenario(&first, &names, units);
+    let problem =
+        Problem::default_scenario_on(Platform::default(), &first, &names, units, vfs::read);
     Ok(sessions.into_iter().next().map(|session| (session, problem)))
 }
 

@@ -108,7 +108,7 @@ pub(super) struct InputFiles {
 ///
 /// # Errors
 /// The arguments name no log.
-pub(super) fn given(files: &[Utf8PathBuf]) -> anyhow::Result<InputFiles> {
+pub(super) fn input_files(files: &[Utf8PathBuf]) -> anyhow::Result<InputFiles> {
     let is_text =
         |path: &&Utf8PathBuf| language::is_specification(path) || language::is_scenario(path);
     let texts: Vec<_> = files.iter().filter(is_text).cloned().collect();

@@ -130,7 +130,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 
 fn parse(text: &str) -> anyhow::Result<Value> {
     serde_json::from_str(text)
-        .context("the value is no JSON: write for example 2, '{\"x\": 1.5}' or '\"a text\"'")
+        .context("the value is not valid JSON: write for example 2, '{\"x\": 1.5}' or '\"a text\"'")
 }
 
 fn write_value(

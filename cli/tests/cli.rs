@@ -219,7 +219,7 @@ fn wrong_usage_and_files_that_cannot_be_read() {
     ]);
     directory.write("latin.gen", b"// caf\xe9\n");
     for (arguments, message) in [
-        (&["check"][..], "required arguments were not provided"),
+        (&["tree"][..], "required arguments were not provided"),
         (&["check", "--format", "xml", "x.gen"], "invalid value 'xml'"),
         (&["chekc", "x.gen"], "unrecognized subcommand"),
         (&["check", "missing.gen"], "cannot read `missing.gen`: no such file or directory"),

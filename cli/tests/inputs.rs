@@ -141,7 +141,7 @@ fn what_does_not_fit_an_input_port_is_named() {
     told(&["reader/trail", r#"[{"z": 1}]"#], "`[0].z` is not a member");
     told(&["reader/each", "1"], "give the `instance`");
     told(&["reader/trail", "[]", "--instance", "a"], "it is not `multiple`");
-    told(&["reader/trail", "here"], "the value is no JSON");
+    told(&["reader/trail", "here"], "the value is not valid JSON");
     told(&["reader/trail", "[]", "--rate", "0"], "values per second");
     told(&["reader/trail"], "<JSON>");
     let wrong = [
@@ -305,7 +305,7 @@ fn lines_are_values() {
     assert_eq!(status(&output), 1, "{}", stderr(&output));
     reads(&directory, "reader/sum", &json!(13));
     let told = stderr(&output);
-    assert!(told.contains("line 4 was not written: the value is no JSON"), "{told}");
+    assert!(told.contains("line 4 was not written: the value is not valid JSON"), "{told}");
     assert!(told.contains("line 5 was not written: `reader/each`: the value has to be"), "{told}");
     // The same value until the run ends.
     let words = ["write", "--socket", "s", "reader/each", "--instance", "a", "--rate", "200", "20"];

@@ -9,6 +9,7 @@ mod directory;
 mod ends;
 mod examples;
 mod faults;
+mod first_hour;
 mod fixing;
 mod flight;
 mod ground;
@@ -39,6 +40,7 @@ mod ros2_interfaces;
 mod run;
 #[path = "support/running.rs"]
 mod running;
+mod scenario_import;
 #[path = "support/server.rs"]
 mod server;
 mod socket;
@@ -46,4 +48,5 @@ mod stdio;
 mod trace;
 mod tutorial;
 mod verify;
+mod worst_cases;
 mod writing;

@@ -2,6 +2,7 @@
 
 mod assumptions;
 mod certificate;
+mod chains;
 
 use std::process::Output;
 

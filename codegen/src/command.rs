@@ -107,6 +107,7 @@ fn confined(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
     env.confined = Some(Confinement {
         results: vec![env.disk.absolute(here)],
         confirmed: Confirmation::Only(allowed),
+        reviewed: false,
     });
     env.limits = Limits { cancel: env.limits.cancel.take(), ..Limits::preview() };
     let direct = std::mem::replace(&mut env.sink, OutputSink::preview());
@@ -272,18 +273,21 @@ fn usage(name: &str) -> String {
 
 General options:
   -I DIR            search DIR for included files
-  -C DIR            look for FILE.gen in DIR; a further -C is relative to the one before
+  -C DIR            look for FILE.gen in DIR; a further -C is relative to the
+                    one before
   -D MACRO[=VALUE]  define MACRO as VALUE, or as 1
-  -t DIR[:DIR...]   search these directories for templates, instead of GENOM_TMPL_PATH
+  -t DIR[:DIR...]   search these directories for templates, instead of
+                    GENOM_TMPL_PATH
   -l, --list        list the templates
   -n, --parse-only  read the files and report errors
   -N, --dump        read the files and print the resulting model, as JSON
   -E                preprocess the files
-      --confined    restrict TEMPLATE as in an editor preview: it starts no program, has no
-                    network, reads only itself and its inputs, and writes only below the
-                    current directory, except hidden files and executables
-      --allow PATH  let TEMPLATE write this file: in a folder such as .git, or an executable;
-                    with --confined, any hidden file
+      --confined    restrict TEMPLATE as in an editor preview: it starts no
+                    program, has no network, reads only itself and its inputs,
+                    and writes only below the current directory, except hidden
+                    files and executables
+      --allow PATH  let TEMPLATE write this file: in a folder such as .git, or
+                    an executable; with --confined, any hidden file
   -T, --tmpdir DIR  directory for temporary files
   -v, --verbose     print each step
   -d, --debug       keep temporary files

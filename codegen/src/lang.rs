@@ -17,7 +17,9 @@ mod kind;
 mod prototypes;
 pub mod text;
 
-use dotgen_analysis::model::{CodelRef, Name, Param, ParamSource, Spec, Src, TypeId, TypeKind};
+use dotgen_analysis::model::{
+    CodelRef, Component, Name, Param, ParamSource, Spec, Src, TypeId, TypeKind,
+};
 use dotgen_analysis::release::Change;
 
 pub use kind::{
@@ -45,6 +47,14 @@ impl Language {
             "c++" => Some(Language::Cxx),
             "tcl" => Some(Language::Tcl),
             _ => None,
+        }
+    }
+
+    /// The language of a component's codels, which selects the file suffix and the mapping.
+    pub fn of(component: &Component) -> Language {
+        match component.lang.as_deref().and_then(Language::from_name) {
+            Some(Language::Cxx) => Language::Cxx,
+            _ => Language::C,
         }
     }
 

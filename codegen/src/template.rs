@@ -105,6 +105,9 @@ pub struct Confinement {
     pub results: Vec<PathBuf>,
     /// The confirmation of hidden files and of executable ones.
     pub confirmed: Confirmation,
+    /// True if the user reviews all results before they are written. A file that exists is then merged where
+    /// the template would refuse to write it.
+    pub reviewed: bool,
 }
 
 /// The confirmation of results that act later: hidden files and executable files.

@@ -49,8 +49,11 @@ fn run(
     let search = SearchPath { dirs: vec![templates], builtin: None };
     // Previews are confined: the results of these tests are in temporary folders.
     let results = vec![std::env::temp_dir()];
-    let confined = matches!(sink, OutputSink::Preview(_))
-        .then_some(Confinement { results, confirmed: Confirmation::All });
+    let confined = matches!(sink, OutputSink::Preview(_)).then_some(Confinement {
+        results,
+        confirmed: Confirmation::All,
+        reviewed: false,
+    });
     let run = Run {
         disk: Arc::new(crate::files::Files),
         dir: search.find(&crate::files::Files, template).unwrap(),

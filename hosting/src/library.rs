@@ -14,7 +14,6 @@ use dotgen_runtime::hosts::{CodelEnd, PortWrite};
 use libloading::Library;
 
 use super::shared_data::View;
-use super::wire::ByteReader;
 
 /// `struct glue_buffer`
 #[repr(C)]
@@ -170,23 +169,45 @@ impl Component {
 
 fn outcome(bytes: &[u8]) -> Option<Outcome> {
     let mut reader = ByteReader(bytes);
-    let how = match reader.number().ok()? {
+    let how = match reader.number()? {
         0 => CodelEnd::Event,
         1 => CodelEnd::Exception,
         _ => CodelEnd::Other,
     };
-    let name = reader.text().ok()?;
-    let detail = reader.bytes().ok()?.to_vec();
-    let count = reader.number().ok()?;
+    let name = reader.text()?;
+    let detail = reader.bytes()?.to_vec();
+    let count = reader.number()?;
     let mut written = Vec::new();
     for _ in 0..count {
-        let port = reader.number().ok()?;
-        let id = reader.text().ok()?;
-        let data = match reader.number().ok()? {
-            0 => Some(reader.bytes().ok()?.to_vec()),
+        let port = reader.number()?;
+        let id = reader.text()?;
+        let data = match reader.number()? {
+            0 => Some(reader.bytes()?.to_vec()),
             _ => None,
         };
         written.push(PortWrite { port, id, data });
     }
     Some(Outcome { how, name, detail, written })
+}
+
+/// Reads values from the bytes that the glue of a component writes, in order. `None` if there are too few.
+struct ByteReader<'b>(&'b [u8]);
+
+impl<'b> ByteReader<'b> {
+    fn number(&mut self) -> Option<u32> {
+        let (number, rest) = self.0.split_first_chunk()?;
+        self.0 = rest;
+        Some(u32::from_le_bytes(*number))
+    }
+
+    fn bytes(&mut self) -> Option<&'b [u8]> {
+        let length = self.number()? as usize;
+        let (bytes, rest) = self.0.split_at_checked(length)?;
+        self.0 = rest;
+        Some(bytes)
+    }
+
+    fn text(&mut self) -> Option<String> {
+        self.bytes().map(|bytes| String::from_utf8_lossy(bytes).into_owned())
+    }
 }

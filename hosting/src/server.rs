@@ -278,7 +278,7 @@ fn read_requests(
         let request: Value = match serde_json::from_slice(&line) {
             Ok(slice) => slice,
             Err(error) => {
-                let why = format!("this is no JSON: {error}");
+                let why = format!("the request is not JSON: {error}");
                 client.say(json!({"event": "error", "message": why}), &Value::Null);
                 // A page in a browser can connect to the port too, but its request begins with text that is
                 // not JSON.
@@ -369,7 +369,7 @@ fn answer(
         let found =
             all.find(|(_, request)| request.client.number == client.number && request.id == *of);
         let Some((&number, _)) = found else {
-            return Err("that request has ended, or is none of yours".to_owned());
+            return Err("the request to abort has ended, or is from another client".to_owned());
         };
         drop(state);
         shared.inbox.bring(Message::Abort(number));

@@ -51,8 +51,8 @@ pub struct Config {
     pub generate: Vec<Generate>,
     /// Severity by diagnostic code.
     pub severity: BTreeMap<String, Level>,
-    /// Connections between components.
-    pub connections: Vec<Connection>,
+    /// Connections between components, each with the directory of its settings.
+    pub connections: Vec<(Utf8PathBuf, Connection)>,
     /// The settings of the timing rules.
     pub lints: LintConfig,
     /// Maximum size of a file in kilobytes; larger files are not read.
@@ -122,7 +122,7 @@ impl Config {
             inlay_hints: settings.inlay_config(),
             code_lens: settings.lens_config(),
             run_lenses: settings.run_lenses(),
-            connections: connections(settings),
+            connections: connections(settings, base),
             verification: settings.verification.clone(),
             lints: settings.timing.lints(),
             max_file_size: settings.max_file_size,
@@ -153,6 +153,12 @@ impl Config {
         let own = self.project(file).map(|project| &project.codels);
         let said = own.filter(|own| **own != Some(FilesConfig::default()));
         said.unwrap_or(&self.codels).as_ref()
+    }
+
+    /// The connections for the components in a folder of a file: those of the directories around the file.
+    pub(crate) fn connections_of(&self, file: &Utf8Path) -> Vec<Connection> {
+        let around = self.connections.iter().filter(|(directory, _)| file.starts_with(directory));
+        around.map(|(_, connection)| connection.clone()).collect()
     }
 
     /// Folders of codels, of the workspace and its projects.
@@ -287,16 +293,17 @@ fn release(settings: &Settings, base: &Utf8Path) -> Option<ReleaseChoice> {
 }
 
 /// Connections as pairs of ports. A name that is not `component.port` is ignored.
-fn connections(settings: &Settings) -> Vec<Connection> {
+fn connections(settings: &Settings, base: &Utf8Path) -> Vec<(Utf8PathBuf, Connection)> {
     let mut out = Vec::new();
     for (reader, ports) in &settings.connections {
         for (port, writers) in ports {
             for writer in writers.all() {
                 if let Some((component, source)) = writer.split_once('.') {
-                    out.push(Connection {
+                    let connection = Connection {
                         from: (component.to_owned(), source.to_owned()),
                         to: (reader.clone(), port.clone()),
-                    });
+                    };
+                    out.push((base.to_owned(), connection));
                 }
             }
         }

@@ -27,8 +27,9 @@ section() {
   return "$status"
 }
 
-# sarif NAME COMMAND…: writes the findings as SARIF, and their file as the output NAME-sarif.
+# sarif NAME COMMAND…: if SARIF is true, writes the findings as SARIF, and their file as the output NAME-sarif.
 sarif() {
+  [ "${SARIF:-false}" = true ] || return 0
   local name=$1 file
   file=$reports/$1.sarif
   shift

@@ -6,9 +6,12 @@
 //! (from `start`, or the first run after a pause) to the next such run. For tasks, for states, and for
 //! services without such a pair, it lasts from each run to the next.
 
+use std::collections::BTreeMap;
+
 use rustc_hash::FxHashMap;
 
 use crate::log::{LineKinds, LineSubject, SkippedLines, line, origin};
+use crate::matching::event;
 
 /// Number, least, greatest and mean time with the standard deviation, in nanoseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -442,3 +445,48 @@ fn seconds(nanos: i64) -> String {
 
 #[cfg(test)]
 mod tests;
+
+/// Returns the longest execution time of each function, in seconds: the file of worst cases that templates of
+/// formal models read (`NAME.wcet`).
+pub fn worst_cases(groups: &[Group]) -> String {
+    let mut longest: BTreeMap<&str, i64> = BTreeMap::new();
+    for group in groups {
+        if let Some(function) = group.function.as_deref().filter(|name| !name.is_empty()) {
+            let known = longest.entry(function).or_default();
+            *known = group.execution.greatest.max(*known);
+        }
+    }
+    let mut out = String::new();
+    for (function, nanos) in longest {
+        let (seconds, rest) = (nanos / 1_000_000_000, nanos % 1_000_000_000);
+        let fraction = format!("{rest:09}");
+        let fraction = fraction.trim_end_matches('0');
+        let fraction = if fraction.is_empty() { "0" } else { fraction };
+        out += &format!("{function} {seconds}.{fraction}\n");
+    }
+    out
+}
+
+/// Returns how often each codel took each of its yields, one transition a line, as the template of UPPAAL-SMC
+/// reads it (`all.proba`): `OWNER::COMPONENT_STATE::COMPONENT_[pause_]STATE COUNT`. Codels of control tasks
+/// are left out, since they take no transition.
+pub fn transition_counts(groups: &[Group]) -> String {
+    let name = |text: &str| {
+        let event = event(text);
+        let pause = if event.paused { "pause_" } else { "" };
+        event.component.map(|component| format!("{component}_{pause}{}", event.name))
+    };
+    let mut out = String::new();
+    for group in groups {
+        let [_, task, service, _] = &group.key[..] else { continue };
+        // No service has a name like that of a permanent activity.
+        let is_service = service.starts_with(|first: char| first.is_alphabetic() || first == '_');
+        let owner = if is_service { service } else { task };
+        for transition in &group.transitions {
+            if let (Some(from), Some(to)) = (name(&transition.from), name(&transition.to)) {
+                out += &format!("{owner}::{from}::{to} {}\n", transition.count);
+            }
+        }
+    }
+    out
+}

@@ -3,10 +3,13 @@
 //! copies its values.
 
 use dotgen_timing::system::{ComponentId, ServiceId};
+use serde::{Deserialize, Serialize};
 
 /// A call of a codel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Call {
+    /// Not sent: a host has one component.
+    #[serde(skip)]
     pub component: ComponentId,
     /// Thread: a task of the system, or `u32::MAX` for the control task.
     pub lane: u32,
@@ -22,7 +25,7 @@ pub struct Call {
 /// Cycles of a task that its thread executes without the engine, one at each tick: the codels of one
 /// automaton from a state on, until the automaton pauses. They end with the first codel whose end leads
 /// elsewhere, or when the engine [recalls](Hosts::recall) them. [`Message::Recalled`] follows.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Delegation {
     /// The call of the first codel.
     pub call: Call,
@@ -37,7 +40,7 @@ pub struct Delegation {
 }
 
 /// A state of a machine that a thread executes.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DelegatedState {
     pub codel: u32,
     /// The state that follows, by full name of the event. Other events end the delegation.
@@ -53,7 +56,7 @@ impl DelegatedState {
 }
 
 /// The machine of an activity, by which a host without an engine executes its `stop` codels.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HostMachine {
     /// `component.task` or `component.service`.
     pub name: String,
@@ -73,7 +76,7 @@ impl HostMachine {
 }
 
 /// The successor of a codel in a [`Delegation`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DelegatedYield {
     /// Another state, in the same cycle.
     Next(usize),
@@ -100,7 +103,7 @@ pub struct Reader<'a> {
 }
 
 /// The way in which a codel has ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CodelEnd {
     /// With an event, or without one.
     Event,
@@ -111,16 +114,17 @@ pub enum CodelEnd {
 }
 
 /// Output of a codel to a port.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PortWrite {
     pub port: u32,
     /// Instance, if the port is `multiple`.
     pub id: String,
     /// New data; `None` if the instance was opened or closed.
+    #[serde(with = "serde_bytes")]
     pub data: Option<Vec<u8>>,
 }
 
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CodelResult {
     /// Ticket of the call.
     pub ticket: u32,
@@ -134,6 +138,7 @@ pub struct CodelResult {
     /// Full name of the event or exception; empty for `genom_ok`. For other values, a description.
     pub name: String,
     /// Detail of the exception.
+    #[serde(with = "serde_bytes")]
     pub detail: Vec<u8>,
     /// Port data, in the order of writing.
     pub written: Vec<PortWrite>,

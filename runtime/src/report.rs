@@ -80,6 +80,9 @@ pub struct ServiceCounts {
     pub refused: u64,
     /// Activities that have ended.
     pub ended: u64,
+    /// False for an attribute or a function, which has no end of its own.
+    #[serde(skip)]
+    pub is_activity: bool,
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -233,6 +236,7 @@ impl RunReport {
                 requests: counted.requests,
                 refused: counted.refused,
                 ended: counted.ended,
+                is_activity: system.services[service].activity,
             }
         });
         let codels = system.codels.iter().zip(&outcome.tally.codels);

@@ -27,11 +27,11 @@
 mod cores;
 mod demand;
 mod instances;
-mod preempted;
-mod queue;
 mod reaction;
 mod rivals;
+mod servers;
 mod ways;
+mod windows;
 
 use std::cell::OnceCell;
 
@@ -41,21 +41,22 @@ use self::demand::{Demand, Jobs, Kind};
 pub use self::reaction::reaction_bound;
 use self::rivals::{Rivals, excluded};
 use self::ways::{Ways, resumed};
+use self::windows::{Requests, situations, whole_run, windows};
 use crate::scn::semantics::Semantics;
 use crate::system::{AutomatonId, CodelId, CodelSet, FOREVER, TaskId, Ticks, TimedSystem};
 
 /// Returns a bound on the response time of every task, or `None` where this method finds none. Under the
-/// semantics of the servers other things delay a job, and a separate method applies (see `queue`). If single
-/// points of the semantics are changed, there are no bounds.
+/// semantics of the servers other things delay a job, and a separate method applies (see `servers`). If
+/// single points of the semantics are changed, there are no bounds.
 pub fn response_bounds(system: &TimedSystem) -> TiVec<TaskId, Option<Ticks>> {
     if !system.platform.semantics.is_published() {
         // A client of `abort`, `kill` or `connect` causes `stop` codels, and stops the queue, at any time.
         let plain = !system.has_builtin(|_| true);
         let queued = system.platform.semantics == Semantics::SERVERS && plain;
-        return match queued {
-            true if system.preempts() => preempted::response_bounds(system),
-            true => queue::response_bounds(system),
-            false => ti_vec![None; system.tasks.len()],
+        return if queued {
+            servers::response_bounds(system)
+        } else {
+            ti_vec![None; system.tasks.len()]
         };
     }
     let mut analysis = Analysis::new(system);
@@ -86,16 +87,27 @@ pub fn meets_deadlines(system: &TimedSystem, task: TaskId, bound: Option<Ticks>)
 /// Rounds after which a task with a bound that still grows counts as late: a quick bound must be quick.
 const MAX_GROWTH_ROUNDS: usize = 100;
 
-struct Analysis<'s> {
-    system: &'s TimedSystem,
-    /// Turns in jobs, by automaton.
-    turns: TiVec<AutomatonId, Ways>,
+/// The work of the system in a window of time.
+#[derive(Default)]
+struct Window {
+    /// The requests that can play a part in it.
+    requests: Requests,
     /// Sets of automata that can have turns in the same job, by task.
     parties: TiVec<TaskId, Vec<Vec<AutomatonId>>>,
     /// Work that can keep each codel waiting for its locks.
     of_codel: TiVec<CodelId, Rivals>,
     /// Work that can keep the codels of each party waiting.
     of_party: TiVec<TaskId, Vec<Rivals>>,
+}
+
+struct Analysis<'s> {
+    system: &'s TimedSystem,
+    /// Turns in jobs, by automaton.
+    turns: TiVec<AutomatonId, Ways>,
+    /// The work of the whole run.
+    whole: Window,
+    /// The windows of jobs of tasks with this period.
+    windows: Vec<(Ticks, Vec<Window>)>,
     /// Latest end of the start-up of each task, in base units.
     started: TiVec<TaskId, Option<u64>>,
     /// Tasks that may have a tick waiting when a job ends.
@@ -112,39 +124,79 @@ impl<'s> Analysis<'s> {
             turns: (system.automata.keys())
                 .map(|automaton| turns_in_jobs(system, automaton))
                 .collect(),
-            parties: instances::of_one_job(system),
-            of_codel: TiVec::new(),
-            of_party: TiVec::new(),
+            whole: Window::default(),
+            windows: Vec::new(),
             started: TiVec::new(),
             late: tasks.clone().map(|task| may_be_late(system, task)).collect(),
             bounds: ti_vec![Some(0); system.tasks.len()],
         };
         let excluded = excluded(system);
+        let situations = situations(system);
+        let parties = instances::of_one_job(system, &situations);
+        analysis.whole = analysis.window(whole_run(system), &parties, &excluded);
+        analysis.started = tasks.map(|task| analysis.started(task, &excluded)).collect();
+        let mut periods: Vec<Ticks> = system.tasks.iter().filter_map(|task| task.period).collect();
+        periods.sort_unstable();
+        periods.dedup();
+        analysis.windows = (periods.into_iter())
+            .map(|period| {
+                let all = windows(system, &situations, period).into_iter();
+                let all = all.map(|it| analysis.window(it.requests, &parties, &excluded));
+                (period, all.collect())
+            })
+            .collect();
+        analysis
+    }
+
+    fn window(
+        &self,
+        requests: Requests,
+        parties: &TiSlice<TaskId, Vec<Vec<AutomatonId>>>,
+        excluded: &TiSlice<CodelId, CodelSet>,
+    ) -> Window {
+        let system = self.system;
+        let takes_part = |automaton: &AutomatonId| {
+            let service = system.automata[*automaton].service;
+            service.is_none_or(|service| requests[service] != Some(0))
+        };
+        let parties = parties.iter().map(|parties| {
+            let parties = parties.iter();
+            let mut parties: Vec<Vec<AutomatonId>> =
+                parties.map(|party| party.iter().copied().filter(takes_part).collect()).collect();
+            parties.sort_unstable();
+            parties.dedup();
+            parties
+        });
+        let mut out = Window {
+            requests: requests.clone(),
+            parties: parties.collect(),
+            of_codel: TiVec::new(),
+            of_party: TiVec::new(),
+        };
         let mut owner: TiVec<CodelId, _> = ti_vec![None; system.codels.len()];
         for automaton in &system.automata {
             for state in &system.machines[automaton.machine].states {
                 owner[state.codel] = Some(automaton.task);
             }
         }
-        analysis.of_codel = (excluded.iter().zip(owner))
-            .map(|(codel_set, owner)| analysis.rivals(codel_set, owner, &|_| true))
+        out.of_codel = (excluded.iter().zip(owner))
+            .map(|(codel_set, owner)| self.rivals(&out, codel_set, owner, &|_| true))
             .collect();
         let of_party = |task: TaskId, party: &[AutomatonId]| {
             let mut all = CodelSet::default();
             for &automaton in party {
                 let machine = system.machine_of(automaton);
-                for state in analysis.turns[automaton].states() {
+                for state in self.turns[automaton].states() {
                     let codel = machine.states[state].codel;
                     excluded[codel].iter().for_each(|index| all.insert(index));
                 }
             }
-            analysis.rivals(&all, Some(task), &|_| true)
+            self.rivals(&out, &all, Some(task), &|_| true)
         };
-        analysis.of_party = (analysis.parties.iter_enumerated())
+        out.of_party = (out.parties.iter_enumerated())
             .map(|(task, parties)| parties.iter().map(|party| of_party(task, party)).collect())
             .collect();
-        analysis.started = tasks.map(|task| analysis.started(task, &excluded)).collect();
-        analysis
+        out
     }
 
     /// Returns the latest end of the start-up of a task. The start-up comes after that of earlier tasks of
@@ -188,7 +240,7 @@ impl<'s> Analysis<'s> {
             let own_cycles = other == task && definition.period.is_none();
             component == definition.component && (own_cycles || (other >= task && !more))
         };
-        let rivals = self.rivals(&all, None, &|other| !waits(other));
+        let rivals = self.rivals(&self.whole, &all, None, &|other| !waits(other));
         let mut demand = Demand {
             jobs: Vec::new(),
             stretches: rivals.stretches.into_iter().collect::<Option<_>>()?,
@@ -224,28 +276,51 @@ impl<'s> Analysis<'s> {
         growing
     }
 
+    /// Returns the greatest bound of all windows, by task. A job that may take longer than its period is
+    /// bounded by the work of the whole run.
     fn next_bounds(&self) -> TiVec<TaskId, Option<Ticks>> {
-        let tasks = self.system.tasks.keys();
-        let held: TiVec<TaskId, Option<u64>> = tasks.clone().map(|task| self.held(task)).collect();
-        let response = |task: TaskId| {
-            let response = held[task]?.checked_add(self.core_wait(task, &held)?)?;
-            u32::try_from(response).ok().filter(|&response| response < FOREVER)
+        let system = self.system;
+        let in_window = |window: &Window, tasks: &mut dyn FnMut(TaskId, Option<Ticks>)| {
+            let held: TiVec<TaskId, Option<u64>> =
+                system.tasks.keys().map(|task| self.held(window, task)).collect();
+            for task in system.tasks.keys() {
+                let response = || {
+                    let wait = self.core_wait(task, &held)?;
+                    let response = u32::try_from(held[task]?.checked_add(wait)?).ok()?;
+                    (response < FOREVER).then_some(response)
+                };
+                tasks(task, response());
+            }
         };
-        tasks.map(response).collect()
+        let mut out: TiVec<TaskId, Option<Ticks>> = ti_vec![None; system.tasks.len()];
+        in_window(&self.whole, &mut |task, response| out[task] = response);
+        for (period, windows) in &self.windows {
+            let mut greatest: TiVec<TaskId, Option<Ticks>> = ti_vec![Some(0); system.tasks.len()];
+            for window in windows {
+                in_window(window, &mut |task, response| {
+                    let most = greatest[task].zip(response).map(|(one, other)| one.max(other));
+                    greatest[task] = most.filter(|most| most < period);
+                });
+            }
+            for task in system.tasks.keys().filter(|&it| system.tasks[it].period == Some(*period)) {
+                out[task] = greatest[task].or(out[task]);
+            }
+        }
+        out
     }
 
     /// Returns the greatest duration of all turns of one job.
-    fn held(&self, task: TaskId) -> Option<u64> {
+    fn held(&self, window: &Window, task: TaskId) -> Option<u64> {
         let alone = self.alone(task);
         let waits: TiVec<CodelId, _> = ti_vec![OnceCell::new(); self.system.codels.len()];
         let with_wait = |codel: CodelId| {
-            let rivals = &self.of_codel[codel];
+            let rivals = &window.of_codel[codel];
             let wait: &Option<u64> =
                 waits[codel].get_or_init(|| self.longest_busy(task, rivals, 0, alone));
             self.upper(codel)?.checked_add((*wait)?)
         };
         let mut longest = 0;
-        for (party, rivals) in self.parties[task].iter().zip(&self.of_party[task]) {
+        for (party, rivals) in window.parties[task].iter().zip(&window.of_party[task]) {
             let one_by_one = self.turns(party, &with_wait);
             let together = (self.turns(party, &|codel| self.upper(codel)))
                 .and_then(|work| self.longest_busy(task, rivals, work, alone));

@@ -7,6 +7,7 @@
 //! (see `explore::store`), and jump to their next moment. If no task is periodic and some time is long, zones
 //! are tried as well (see `search::zones`).
 
+mod chain_spans;
 mod continued;
 mod details;
 mod findings;
@@ -21,12 +22,14 @@ mod rules;
 mod run;
 mod search;
 mod segments;
+mod spans;
 mod state;
 mod stepper;
 mod store;
 mod token;
 mod watch;
 
+pub use chain_spans::explore_chain;
 pub use continued::{Continued, NextStep};
 pub use details::{Blocker, Executing, MomentDetails};
 pub use findings::{Bound, Findings, Found, Measured};
@@ -39,7 +42,7 @@ pub use run::{Run, SystemRun};
 pub use search::{
     ZoneFindings, explore, explore_with_reports, search_once, search_zones, walk_to_long_responses,
 };
+pub use spans::{ChainSpans, Span, Spent};
 pub use stepper::{Possible, Seen, Stepper, Watched};
-
-pub use token::{explore_chain, is_exact};
+pub use token::is_exact;
 pub use watch::{Limits, ResponseTime, Stop, Watch, Within};

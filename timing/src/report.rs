@@ -1,6 +1,7 @@
 //! The report of a verification, as data and as text. The JSON form is part of the interface of `dotgen
 //! verify`.
 
+mod stretch;
 mod time_unit;
 mod verdict;
 
@@ -19,6 +20,7 @@ use crate::property::PropertyKind;
 use crate::reduction_use::ReductionUse;
 use crate::system::ground::Condition;
 use crate::system::{CodelName, ThreadName};
+pub use stretch::{Endless, EndlessKind, LoopExit, Stretch, StretchKind};
 pub use time_unit::TimeUnit;
 pub(crate) use time_unit::to_f64;
 pub use verdict::Verdict;
@@ -181,6 +183,12 @@ pub struct CheckReport {
     /// The job at the end of the run, if it is late.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub job: Option<LateJob>,
+    /// What the time until the awaited event is spent on, if the check is refuted and not about a task.
+    #[serde(skip)]
+    pub spent: Vec<Stretch>,
+    /// What goes on for ever, if the check is refuted because a time has no bound.
+    #[serde(skip)]
+    pub endless: Option<Endless>,
     /// A run that reaches the value or the predicate.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub witness: Vec<Event>,

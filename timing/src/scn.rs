@@ -15,8 +15,10 @@ pub mod lexer;
 pub mod names;
 pub mod outline;
 mod parser;
+pub mod requests;
 pub mod selection;
 pub mod semantics;
+pub mod times;
 pub mod words;
 
 pub use default::{Platform, default_text, default_text_on};

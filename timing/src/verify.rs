@@ -15,6 +15,7 @@ mod quick;
 mod reason;
 mod rounding;
 mod simulate;
+mod spent;
 pub(crate) mod tasks_with_jobs;
 mod units;
 mod watch;

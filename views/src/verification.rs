@@ -7,6 +7,7 @@
 pub mod advice;
 pub mod blocking;
 pub mod changes;
+mod endless;
 pub mod first;
 pub mod fold_repetitions;
 pub mod problem;
@@ -15,6 +16,7 @@ pub mod results;
 pub mod run;
 pub mod runs;
 pub mod summary;
+mod times;
 pub mod trace;
 pub mod view;
 pub mod what_if;

@@ -1,5 +1,5 @@
 // Writes the server's settings into package.json, from the schema that the server's sources generate
-// (docs/dotgen.schema.json). The extension's own settings, below server, trace, files and run, are left alone.
+// (docs/dotgen.schema.json). The extension's own settings, below server, trace, files, run and diagrams, are left alone.
 //
 // Tables become settings of their own (`dotgen.verification.timeLimit`), choices become lists, and what may be left out has
 // the default that it stands for: VS Code shows those as checkboxes, lists and fields. The extension sends only what is set
@@ -15,7 +15,7 @@ const schema = JSON.parse(readFileSync(at('../../docs/dotgen.schema.json'), 'utf
 const text = readFileSync(at('../package.json'), 'utf8');
 const manifest = JSON.parse(text);
 
-const OURS = /^dotgen\.(server|trace|files|run)\./;
+const OURS = /^dotgen\.(server|trace|files|run|diagrams)\./;
 // Written by the command Generate… into dotgen.toml; nothing to set by hand.
 const HIDDEN = new Set(['generate']);
 const FIRST_ORDER = 10;

@@ -1,5 +1,5 @@
 // The language client: one server process for the window, started, watched and restarted.
-import { join } from 'node:path';
+import { existsSync } from 'node:fs';
 import { createInterface } from 'node:readline';
 import type { Readable } from 'node:stream';
 import * as vscode from 'vscode';
@@ -15,15 +15,16 @@ import {
   type CloseHandlerResult,
   type LanguageClientOptions,
   type MessageSignature,
-  type ServerOptions,
 } from 'vscode-languageclient/node';
 import { SECTION, explicitSettings, serverSettingNames, serverSettings } from './config';
 import { previewed } from './manual';
 import type { OfferedCommands } from './offered';
+import { withMachine } from './preview/hover';
+import { ServerProcess, type Program } from './process';
 import { LANGUAGE, SCENARIO, TEMPLATE, documentText, verificationStatus, type InitializationOptions, type VerificationStatus } from './protocol';
 import { reviewed } from './review';
 import { locateServer, surroundings, type Located } from './server';
-import { unpack } from './unpack';
+import { done } from './walkthrough';
 
 /** What the server is doing. */
 export type ServerState =
@@ -50,11 +51,14 @@ export function overtaken(error: unknown): boolean {
 // A server that ends this often within the window is not started again by itself.
 const MAX_RESTARTS = 4;
 const RESTART_WINDOW_MS = 3 * 60 * 1000;
+// A server that has not answered by then is killed.
+const START_MS = 30_000;
 // A failed start is told once it is clear that the end of the process has not led to another attempt.
 const START_FAILURE_GRACE_MS = 500;
 
 export class Server implements vscode.Disposable {
   private client: LanguageClient | undefined;
+  private process: ServerProcess | undefined;
   private located: Located | undefined;
   private state: ServerState = { kind: 'stopped' };
   private readonly changed = new vscode.EventEmitter<ServerState>();
@@ -63,7 +67,7 @@ export class Server implements vscode.Disposable {
   private readonly verified = new vscode.EventEmitter<VerificationStatus>();
   /** Fires when a verification begins, ends, or is overtaken by an edit. */
   readonly onDidVerify = this.verified.event;
-  // Starts and stops are queued: two restarts in a row must not leave two processes.
+  // Starts and stops are queued: two restarts in a row must not leave two processes. None waits for an answer of the server.
   private queue: Promise<void> = Promise.resolve();
   // When the process ended unexpectedly, in milliseconds.
   private readonly ends: number[] = [];
@@ -73,8 +77,6 @@ export class Server implements vscode.Disposable {
 
   constructor(
     private readonly extension: vscode.Extension<unknown>,
-    /** Folder of the extension for its files, of which the program of the package is one. */
-    private readonly storage: vscode.Uri,
     /** What the extension does. */
     private readonly log: vscode.LogOutputChannel,
     /** What the server writes, and the messages when they are traced. */
@@ -144,7 +146,7 @@ export class Server implements vscode.Disposable {
     const settings = serverSettings();
     const root = vscode.workspace.workspaceFolders?.[0]?.uri;
     this.set({ kind: 'starting' });
-    const located = await locateServer(surroundings(settings.path, () => this.packaged(), root?.scheme === 'file' ? root.fsPath : undefined));
+    const located = locateServer(surroundings(settings.path, this.extension.extensionPath, root?.scheme === 'file' ? root.fsPath : undefined));
     this.located = located;
     if (!located.found) {
       this.fail(located.message);
@@ -156,19 +158,27 @@ export class Server implements vscode.Disposable {
     const command = located.path;
     this.log.info(`starting ${command} (${located.origin})`);
     this.activities.clear();
-    const client = new LanguageClient(SECTION, 'dotgen', this.serverOptions(located), this.clientOptions());
+    const process = new ServerProcess(this.program(located), START_MS, () => {
+      if (this.process === process) {
+        this.fail(`The server ${command} did not answer within ${START_MS / 1000} s and was stopped. Read its output, then correct dotgen.server.path or restart the server.`);
+      }
+    });
+    this.process = process;
+    const client = new LanguageClient(SECTION, 'dotgen', () => process.spawn(), this.clientOptions(process));
     this.client = client;
     client.onDidChangeState(({ newState }) => {
       if (this.client !== client) {
         return;
       }
       if (newState === State.Running) {
+        process.started();
         const { name, version } = client.initializeResult?.serverInfo ?? { name: 'server', version: '' };
         this.log.info(`${name} ${version ?? ''} is ready`);
         this.set({ kind: 'ready' });
       } else if (newState === State.StartFailed) {
         setTimeout(() => {
           if (this.client === client && client.state === State.StartFailed && this.state.kind === 'starting') {
+            process.kill();
             this.fail(`The server ${command} could not be started: ${this.startError}`);
           }
         }, START_FAILURE_GRACE_MS);
@@ -180,34 +190,22 @@ export class Server implements vscode.Disposable {
       const document = vscode.workspace.textDocuments.find((it) => it.uri.toString() === wanted);
       return document ? { version: document.version, text: document.getText() } : null;
     });
-    try {
-      await client.start();
-    } catch (error) {
+    client.start().catch((error: unknown) => {
       this.startError = text(error);
       this.log.warn(`start: ${this.startError}`);
-    }
-  }
-
-  private packaged(): Promise<string | undefined> {
-    const { version } = this.extension.packageJSON as { version: string };
-    return unpack({
-      from: join(this.extension.extensionPath, 'server'),
-      into: join(this.storage.fsPath, 'server'),
-      version,
-      log: (text) => this.log.info(text),
     });
   }
 
-  private serverOptions({ path: command, origin }: Located & { found: true }): ServerOptions {
+  private program({ path: command }: Located & { found: true }): Program {
     const { extraEnv, logLevel } = serverSettings();
     // The level is that of dotgen's own modules; libraries are quiet unless something is wrong.
     const log = logLevel === 'error' ? 'error' : `warn,dotgen=${logLevel}`;
-    // The manual is not next to the unpacked program.
-    const manual = origin === 'package' ? { DOTGEN_MANUAL: join(this.extension.extensionPath, 'docs') } : {};
-    return { command, args: ['lsp'], options: { env: { ...process.env, DOTGEN_LOG: log, ...manual, ...extraEnv } } };
+    const folder = vscode.workspace.workspaceFolders?.[0]?.uri;
+    const cwd = folder?.scheme === 'file' && existsSync(folder.fsPath) ? folder.fsPath : undefined;
+    return { command, arguments: ['lsp'], cwd, env: { ...process.env, DOTGEN_LOG: log, ...extraEnv } };
   }
 
-  private clientOptions(): LanguageClientOptions {
+  private clientOptions(process: ServerProcess): LanguageClientOptions {
     return {
       documentSelector: [
         { language: LANGUAGE, scheme: 'file' },
@@ -221,7 +219,7 @@ export class Server implements vscode.Disposable {
       // A request that fails is in the output; what the user has to know is told by the server, or below.
       revealOutputChannelOn: RevealOutputChannelOn.Never,
       stdioOptions: { stdout: forwardLog, stderr: forwardLog },
-      initializationOptions: (): InitializationOptions => ({ trusted: vscode.workspace.isTrusted, hoverImages: true, verificationStatus: true, documentText: true, runs: vscode.workspace.isTrusted }),
+      initializationOptions: (): InitializationOptions => ({ trusted: vscode.workspace.isTrusted, verificationStatus: true, documentText: true, runs: vscode.workspace.isTrusted }),
       initializationFailedHandler: (error) => {
         this.startError = text(error);
         return false;
@@ -232,7 +230,7 @@ export class Server implements vscode.Disposable {
           this.log.error(`connection: ${error.message}`);
           return { action: ErrorAction.Continue, handled: true };
         },
-        closed: () => this.ended(),
+        closed: () => this.ended(process),
       },
       middleware: {
         workspace: {
@@ -247,6 +245,10 @@ export class Server implements vscode.Disposable {
               return section === SECTION ? explicitSettings(this.settingNames, scopeUri === undefined ? undefined : vscode.Uri.parse(scopeUri)) : value;
             });
           },
+        },
+        provideHover: async (document, position, token, next) => {
+          const hover = await next(document, position, token);
+          return hover && withMachine(this.running, document, position, hover, token);
         },
         // The details stand behind the title.
         provideCodeLenses: async (document, token, next) => {
@@ -289,6 +291,8 @@ export class Server implements vscode.Disposable {
         ): Promise<R> => reviewed(typeof type === 'string' ? type : type.method, await next(type, param, token)) as R,
         // Actions of the server that ask something have better questions here.
         executeCommand: (command, args, next) => {
+          // The action that writes a stub shows the stub.
+          if (command === 'dotgen.showCodel') done('stubs');
           const ours = { 'dotgen.generate': 'dotgen.generateFiles', 'dotgen.regenerate': 'dotgen.regenerateFiles' }[command];
           return ours === undefined ? next(command, args) : vscode.commands.executeCommand(ours, ...args);
         },
@@ -305,16 +309,16 @@ export class Server implements vscode.Disposable {
     };
   }
 
-  private ended(): CloseHandlerResult {
+  private ended(process: ServerProcess): CloseHandlerResult {
+    if (this.disposed || this.state.kind === 'failed' || this.process !== process) {
+      return { action: CloseAction.DoNotRestart, handled: true };
+    }
     const now = Date.now();
     this.ends.push(now);
     while (this.ends.length > 0 && now - (this.ends[0] ?? now) > RESTART_WINDOW_MS) {
       this.ends.shift();
     }
     this.activities.clear();
-    if (this.disposed || this.state.kind === 'failed') {
-      return { action: CloseAction.DoNotRestart, handled: true };
-    }
     if (this.ends.length <= MAX_RESTARTS) {
       this.log.warn('the server ended unexpectedly; starting it again');
       this.set({ kind: 'starting' });
@@ -325,15 +329,18 @@ export class Server implements vscode.Disposable {
   }
 
   private async shutDown(): Promise<void> {
-    const client = this.client;
+    const { client, process } = this;
     this.client = undefined;
+    this.process = undefined;
     this.ends.length = 0;
     this.activities.clear();
     if (client !== undefined) {
       try {
         await client.dispose();
+        process?.end();
       } catch (error) {
-        // A server that never came up, or that is gone, cannot be asked to stop.
+        // A server that is starting, or that is gone, cannot be asked to stop.
+        process?.kill();
         this.log.debug(`stopping: ${text(error)}`);
       }
     }

@@ -20,7 +20,7 @@ export function serverSettings(): ServerSettings {
 }
 
 /** Settings that the extension reads itself. */
-const OURS = ['server', 'trace', 'files', 'run'];
+const OURS = ['server', 'trace', 'files', 'run', 'diagrams'];
 
 /** The names of the server's settings and tables of settings, without `dotgen.`, from the manifest. */
 export function serverSettingNames(manifest: { contributes: { configuration: { properties: Record<string, unknown> } } }): string[] {

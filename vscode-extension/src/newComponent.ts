@@ -1,9 +1,10 @@
 // New Component…: asks for name, tasks and interfaces, and writes what the server makes of the answers.
 import * as vscode from 'vscode';
 import type { Server } from './client';
-import { notRunning } from './commands/server';
+import { ready } from './commands/server';
 import { interfaces, newComponent, type InterfaceInfo, type NewTask } from './protocol';
 import { questions, titleOf } from './questions';
+import { done } from './walkthrough';
 
 /** `exec 10 ms`, `plan`: names with periods, between commas. */
 export function parseTasks(text: string): NewTask[] {
@@ -42,17 +43,15 @@ async function askInterfaces(known: InterfaceInfo[], title: string): Promise<rea
   });
 }
 
-/** The folder in which the folder of the component goes. */
+/** The folder in which the folder of the component goes. With no folder open, the dialog asks at once. */
 async function askFolder(open: vscode.WorkspaceFolder[], title: string): Promise<vscode.Uri | undefined> {
-  const items = [
-    ...open.map((it) => ({ label: it.name, description: it.uri.fsPath, uri: it.uri as vscode.Uri | undefined })),
-    { label: '$(folder-opened) Another Folder…', description: '', uri: undefined },
-  ];
-  const picked = open.length === 1 ? items[0] : await vscode.window.showQuickPick(items, { title, ignoreFocusOut: true, placeHolder: 'Where its folder goes' });
+  const another = { label: '$(folder-opened) Another Folder…', description: '', uri: undefined };
+  const items = [...open.map((it) => ({ label: it.name, description: it.uri.fsPath, uri: it.uri as vscode.Uri | undefined })), another];
+  const picked = open.length < 2 ? items[0] : await vscode.window.showQuickPick(items, { title, ignoreFocusOut: true, placeHolder: 'Where its folder goes' });
   if (picked === undefined || picked.uri !== undefined) {
     return picked?.uri;
   }
-  return (await vscode.window.showOpenDialog({ canSelectFolders: true, canSelectFiles: false, title: 'Where the folder of the component goes' }))?.[0];
+  return (await vscode.window.showOpenDialog({ canSelectFolders: true, canSelectFiles: false, title: `${title}: where the folder of the component goes` }))?.[0];
 }
 
 /** The specification to show when the window has opened the folder of its component. */
@@ -64,17 +63,14 @@ export async function showNewComponent(state: vscode.Memento): Promise<void> {
   if (uri !== undefined && vscode.workspace.getWorkspaceFolder(vscode.Uri.parse(uri)) !== undefined) {
     await state.update(OPENED, undefined);
     // Its step of the walkthrough is done.
-    await vscode.commands.executeCommand('setContext', 'dotgen.componentMade', true);
+    done('component');
     await vscode.window.showTextDocument(vscode.Uri.parse(uri)).then(undefined, () => undefined);
   }
 }
 
 export async function createComponent(server: Server, state: vscode.Memento): Promise<void> {
-  const client = server.running;
-  if (client === undefined) {
-    await notRunning(server);
-    return;
-  }
+  const client = await ready(server);
+  if (client === undefined) return;
   const open = (vscode.workspace.workspaceFolders ?? []).filter((it) => it.uri.scheme === 'file');
   let known: InterfaceInfo[];
   try {
@@ -137,7 +133,7 @@ export async function createComponent(server: Server, state: vscode.Memento): Pr
     }
     await vscode.window.showTextDocument(vscode.Uri.parse(specification));
     // Its step of the walkthrough is done now, and not when the questions begin: done, it takes the focus from them.
-    await vscode.commands.executeCommand('setContext', 'dotgen.componentMade', true);
+    done('component');
   } catch (error) {
     void vscode.window.showErrorMessage(error instanceof Error ? error.message : String(error));
   }

@@ -11,8 +11,6 @@ export const LANGUAGE = 'genom3';
 export interface InitializationOptions {
   /** Programs (pkg-config, templates) may be run on behalf of the workspace. */
   trusted: boolean;
-  /** Images in hovers may have a size after a bar. */
-  hoverImages: boolean;
   /** Notifications about verifications are wanted, and the command that shows one exists. */
   verificationStatus: boolean;
   /** The client executes `dotgen.run` and `dotgen.simulate`. */
@@ -88,6 +86,8 @@ export interface DiagramParams extends DiagramOptions, Partial<Arrangement> {
   owner?: string;
   /** States that the reader goes through. */
   way?: string[];
+  /** Only if the position names a task, activity or state, whose machine it is; a state becomes the way. */
+  named?: boolean;
   /** Systems: width of the pane, in pixels. */
   width?: number;
   theme?: 'auto' | 'light' | 'dark' | 'light-clear' | 'dark-clear' | 'neutral' | 'editor';
@@ -122,6 +122,8 @@ export interface DiagramNode {
 export interface DiagramAnswer {
   kind: DiagramKind;
   title: string;
+  /** The states that are marked. */
+  way: string[];
   /** What is said below the picture; of a way with two ends, last. */
   notes: string[];
   component: string | null;

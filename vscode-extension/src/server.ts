@@ -1,7 +1,7 @@
 // The server program: the one of the setting, then the one packaged with the extension, then the one on PATH.
 //
 // Nothing here needs the editor: the surroundings are a parameter, so that the search is tested without one.
-import { accessSync, constants, statSync } from 'node:fs';
+import { accessSync, chmodSync, constants, existsSync, statSync } from 'node:fs';
 import { homedir } from 'node:os';
 import { delimiter, isAbsolute, join } from 'node:path';
 
@@ -9,8 +9,8 @@ import { delimiter, isAbsolute, join } from 'node:path';
 export interface Surroundings {
   /** Value of `dotgen.server.path`; empty when not set. */
   setting: string;
-  /** The program of the package, which is unpacked if necessary; undefined if there is none. Throws a message for the user. */
-  packaged(): Promise<string | undefined>;
+  /** The program of the package, if it has one. */
+  packaged: string | undefined;
   /** Root of the first workspace folder, if any. */
   workspaceRoot: string | undefined;
   env: Record<string, string | undefined>;
@@ -24,7 +24,7 @@ export type Located =
   | { found: true; path: string; origin: 'setting' | 'package' | 'PATH' }
   | { found: false; reason: 'setting' | 'package' | 'nowhere'; message: string };
 
-export async function locateServer(at: Surroundings): Promise<Located> {
+export function locateServer(at: Surroundings): Located {
   const setting = at.setting.trim();
   if (setting !== '') {
     const path = expandPath(setting, at);
@@ -35,22 +35,15 @@ export async function locateServer(at: Surroundings): Promise<Located> {
     const message = `dotgen.server.path is "${setting}", but ${path} is not a program that can be run. Correct the setting, or clear it to use the packaged server.`;
     return { found: false, reason: 'setting', message };
   }
-  let packaged: string | undefined;
-  try {
-    packaged = await at.packaged();
-  } catch (error) {
-    return { found: false, reason: 'package', message: error instanceof Error ? error.message : String(error) };
-  }
-  if (packaged !== undefined) {
-    if (at.isExecutable(packaged)) {
-      return { found: true, path: packaged, origin: 'package' };
+  if (at.packaged !== undefined) {
+    if (at.isExecutable(at.packaged)) {
+      return { found: true, path: at.packaged, origin: 'package' };
     }
-    const message = `Programs cannot be run from the folder of ${packaged}: its file system forbids that. Set dotgen.server.path to a dotgen elsewhere.`;
+    const message = `${at.packaged} cannot be executed: the file or its file system forbids that. Set dotgen.server.path to a dotgen elsewhere.`;
     return { found: false, reason: 'package', message };
   }
-  const name = at.platform === 'win32' ? 'dotgen.exe' : 'dotgen';
   for (const directory of searchPath(at.env)) {
-    const path = join(directory, name);
+    const path = join(directory, programName(at.platform));
     if (isAbsolute(directory) && at.isExecutable(path)) {
       return { found: true, path, origin: 'PATH' };
     }
@@ -76,11 +69,27 @@ function searchPath(env: Record<string, string | undefined>): string[] {
   return (name === undefined ? '' : (env[name] ?? '')).split(delimiter).filter((directory) => directory !== '');
 }
 
-/** The real surroundings. */
-export function surroundings(setting: string, packaged: Surroundings['packaged'], workspaceRoot: string | undefined): Surroundings {
+const programName = (platform: NodeJS.Platform) => (platform === 'win32' ? 'dotgen.exe' : 'dotgen');
+
+/** The program of the extension in `folder`. A package that was made on Windows, or copied, lacks the permission to execute. */
+export function packagedProgram(folder: string): string | undefined {
+  const program = join(folder, 'server', programName(process.platform));
+  if (!existsSync(program)) {
+    return undefined;
+  }
+  try {
+    if (!isExecutable(program)) chmodSync(program, 0o755);
+  } catch {
+    // Not the owner: the search reports the program.
+  }
+  return program;
+}
+
+/** The real surroundings of the extension in `folder`. */
+export function surroundings(setting: string, folder: string, workspaceRoot: string | undefined): Surroundings {
   return {
     setting,
-    packaged,
+    packaged: packagedProgram(folder),
     workspaceRoot,
     env: process.env,
     platform: process.platform,

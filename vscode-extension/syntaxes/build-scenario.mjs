@@ -59,7 +59,7 @@ r.string = { name: 'string.quoted.double' + SUFFIX, begin: '"', end: '"|$' };
 r.items = {
   patterns: [
     ...include('comments'),
-    statement(re`\b(use)\b`, ['keyword.control.import'], include('string')),
+    statement(re`\b(use|times)\b`, ['keyword.control.import'], include('string')),
     choice('unit', '(?!)'),
     choice('cores', 'free'),
     choice('policy', 'priority|fair|fifo|edf|any'),
@@ -80,7 +80,7 @@ r.items = {
       ...include('numbers', 'path'),
     ]),
     statement(re`\b(check)\b(?:\s+(${ID})\s*(:))?`, ['keyword.control.check', 'entity.name.label', 'punctuation.separator.label'], [
-      token('support.function.check', re`\b(?:schedulable|response|within|reaction|age|leadsto|eventually|always|reachable|deadlock)\b(?!\s*\.)|\bno-overdue\b`),
+      token('support.function.check', re`\b(?:schedulable|response|within|reaction|age|leadsto|eventually|always|never|reachable|deadlock)\b(?!\s*\.)|\bno-overdue\b`),
       token('keyword.operator.word', re`\b(?:and|or|not|leave|then|via)\b(?!\s*\.)`),
       token('keyword.operator', '=>|->|<='),
       ...include('numbers', 'path'),

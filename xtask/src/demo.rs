@@ -30,7 +30,7 @@ pub(crate) struct Options {
 pub(crate) fn demo(options: &Options) -> Result<bool> {
     tools::ensure_node()?;
     let server = extension::build_server(Profile::Release)?;
-    let vsix = extension::package(&server, Profile::Release)?;
+    let vsix = extension::package(&server)?;
     if options.check {
         let workbench = Workbench::set_up()?;
         step("Opening the example in a headless VS Code");

@@ -21,7 +21,7 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 
-use xtask::extension::{self, FEATURES, Profile};
+use xtask::extension::{self, FEATURES};
 use xtask::run::{self, step};
 use xtask::tools;
 
@@ -82,7 +82,7 @@ fn make() -> Result<()> {
     tools.wheel(&program, &out)?;
     bill_of_materials(&tools, &out)?;
     let program = tools.program(false)?;
-    for vsix in [extension::package(&program, Profile::Dist)?, extension::package_universal()?] {
+    for vsix in [extension::package(&program)?, extension::package_universal()?] {
         std::fs::copy(&vsix, out.join(vsix.file_name().context("a file")?))?;
     }
     checksums(&out)
@@ -190,6 +190,11 @@ impl Tools {
         std::fs::remove_dir_all(python)?;
         let name = written.trim().lines().last().unwrap_or_default();
         let name = name.strip_suffix(".dist-info").context("metadata of the wheel")?;
+        let licences = stage.join(format!("{name}.dist-info/licenses"));
+        std::fs::create_dir_all(&licences)?;
+        for text in ["LICENSE", extension::NOTICES] {
+            std::fs::copy(xtask::root().join(text), licences.join(text))?;
+        }
         let scripts = stage.join(format!("{name}.data/scripts"));
         std::fs::create_dir_all(&scripts)?;
         std::fs::copy(program, scripts.join("dotgen"))?;

@@ -101,10 +101,10 @@ pub fn npm(directory: &Path, arguments: &[&str]) -> std::process::Command {
     command
 }
 
-/// Bundles the extension with `server`, built as `profile`, inside and packages it for this system.
-pub fn package(server: &Path, profile: Profile) -> Result<PathBuf> {
+/// Bundles the extension with `server` inside and packages it for this system.
+pub fn package(server: &Path) -> Result<PathBuf> {
     let platform = platform();
-    pack(Some((server, profile)), &["--target", platform], &format!("dotgen-{platform}.vsix"))
+    pack(Some(server), &["--target", platform], &format!("dotgen-{platform}.vsix"))
 }
 
 /// Packages the extension without a program, for systems that have no package of their own.
@@ -112,7 +112,7 @@ pub fn package_universal() -> Result<PathBuf> {
     pack(None, &[], "dotgen-universal.vsix")
 }
 
-fn pack(server: Option<(&Path, Profile)>, options: &[&str], name: &str) -> Result<PathBuf> {
+fn pack(server: Option<&Path>, options: &[&str], name: &str) -> Result<PathBuf> {
     let directory = directory();
     install_packages(&directory)?;
     step(&format!("Packaging the extension: {name}"));
@@ -120,8 +120,10 @@ fn pack(server: Option<(&Path, Profile)>, options: &[&str], name: &str) -> Resul
     if inside.exists() {
         std::fs::remove_dir_all(&inside)?;
     }
-    if let Some((server, profile)) = server {
-        compress(server, profile)?;
+    if let Some(server) = server {
+        std::fs::create_dir(&inside)?;
+        // The copy keeps the permission to execute, and so does the package made on Unix.
+        std::fs::copy(server, inside.join(server.file_name().context("a program has a name")?))?;
     }
     for text in ["LICENSE", NOTICES] {
         std::fs::copy(crate::root().join(text), directory.join(text))?;
@@ -134,28 +136,6 @@ fn pack(server: Option<(&Path, Profile)>, options: &[&str], name: &str) -> Resul
     arguments.extend(options);
     run::capture(npm(&directory, &arguments))?;
     Ok(vsix)
-}
-
-/// Compresses the server into the folder `server` of the extension. For a release, the compression takes a
-/// minute.
-fn compress(server: &Path, profile: Profile) -> Result<()> {
-    let quality = match profile {
-        Profile::Dist => "11",
-        Profile::Dev | Profile::Release => "1",
-    };
-    let arguments = ["scripts/pack.mjs", &*server.to_string_lossy(), quality];
-    run::capture(run::command(&directory(), "node", &arguments)).map(drop)
-}
-
-/// Returns the path of the program in `folder`, the contents of an extension, after the extension's own
-/// code has unpacked the program into the folder `into`.
-pub fn unpack(folder: &Path, into: &Path) -> Result<PathBuf> {
-    let directory = directory();
-    install_packages(&directory)?;
-    let (folder, into) = (folder.to_string_lossy(), into.to_string_lossy());
-    let arguments = ["run", "--silent", "unpack", "--", &*folder, &*into];
-    let printed = run::capture(npm(&directory, &arguments))?;
-    Ok(PathBuf::from(printed.trim()))
 }
 
 /// Copies the files of a folder with these endings to another folder, which is replaced.

@@ -28,7 +28,7 @@ const PLACES: [(&str, &str, &str); 14] = [
     ("clients/python/pyproject.toml", "\nversion = \"", "\""),
     ("packaging/robotpkg/Makefile", "VERSION=\t", "\n"),
     (".github/ISSUE_TEMPLATE/bug.yml", "placeholder: dotgen ", "\n"),
-    ("docs/ci.md", "OWNER/dotgen@v", "\n"),
+    ("docs/ci.md", "/dotgen@v", "\n"),
     ("docs/ci.md", "version: v", "\n"),
     ("docs/ci.md", "releases/download/v", "\n"),
     ("docs/ci.md", "rev: v", "\n"),
@@ -101,24 +101,18 @@ fn parsed(version: &str) -> Option<[u32; 3]> {
     numbers?.try_into().ok()
 }
 
-/// The changelog with the changes of `version` under a dated heading, and an empty section for the next ones.
+/// The changelog with the changes of `version` under a dated heading, and an empty section for the next
+/// ones. A part without changes says so: all parts have one version.
 fn dated(changes: &str, version: &str, date: &str) -> Result<String> {
-    let (head, rest) = changes
-        .split_once("## Unreleased\n")
-        .context("CHANGELOG.md has no section `## Unreleased`")?;
-    let heading = format!("## {version}");
-    // The first release is prepared under its number.
-    let prepared = rest.find(&format!("{heading}\n"));
+    let (head, rest) =
+        changes.split_once("## Unreleased\n").context("no section `## Unreleased`")?;
+    let heading = format!("## {version} - ");
+    if rest.contains(&heading) {
+        bail!("the changelog has a release {version} already");
+    }
     let unreleased = rest[..rest.find("\n## ").map_or(rest.len(), |at| at + 1)].trim();
-    let rest = match prepared {
-        Some(_) if !unreleased.is_empty() => {
-            bail!("`{heading}` exists, and `## Unreleased` is not empty")
-        }
-        Some(_) => rest.replacen(&format!("{heading}\n"), &format!("{heading} - {date}\n"), 1),
-        None if rest.contains(&heading) => bail!("CHANGELOG.md has a release {version} already"),
-        None if unreleased.is_empty() => bail!("`## Unreleased` is empty: nothing to release"),
-        None => format!("\n{heading} - {date}\n{rest}"),
-    };
+    let none = if unreleased.is_empty() { "\nNo changes.\n" } else { "" };
+    let rest = format!("\n{heading}{date}\n{none}{rest}");
     Ok(format!("{head}## Unreleased\n{rest}"))
 }
 
@@ -144,11 +138,16 @@ mod tests {
             next,
             "# Changes\n\n## Unreleased\n\n## 0.2.0 - 2026-01-02\n\n* A.\n\n## 0.1.0\n"
         );
-        let first = dated("## Unreleased\n\n## 0.1.0\n\n* A.\n", "0.1.0", "2026-01-02").unwrap();
+        let first = dated("## Unreleased\n\n* A.\n", "0.1.0", "2026-01-02").unwrap();
         assert_eq!(first, "## Unreleased\n\n## 0.1.0 - 2026-01-02\n\n* A.\n");
+        let none =
+            dated("## Unreleased\n\n## 0.1.0 - 2026-01-01\n", "0.2.0", "2026-01-02").unwrap();
+        assert_eq!(
+            none,
+            "## Unreleased\n\n## 0.2.0 - 2026-01-02\n\nNo changes.\n\n## 0.1.0 - 2026-01-01\n"
+        );
         for (changes, version) in [
             ("## Unreleased\n\n## 0.1.0 - 2026-01-01\n\n* A.\n", "0.1.0"),
-            ("## Unreleased\n\n## 0.1.0\n\n* A.\n", "0.2.0"),
             ("# Changes\n", "0.1.0"),
         ] {
             assert!(dated(changes, version, "2026-01-02").is_err(), "{changes:?}");

@@ -1,4 +1,4 @@
-//! The work at the end of the input (language reference, sections 1.4 and 8.1).
+//! The work at the end of the input (language reference, sections 1 (item 4) and 8.1).
 
 use crate::finding::role::Role;
 use smol_str::SmolStr;

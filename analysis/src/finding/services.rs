@@ -142,6 +142,7 @@ impl DeclarationProblem {
         let fix = match self {
             DeclarationProblem::ListedTwice { .. } => here.remove_part().map(TextFix::plain),
             DeclarationProblem::ActivityWithoutTask { task, .. } => here.add_task(task),
+            DeclarationProblem::AnonymousPort { name, .. } => here.name_port_type(name),
             DeclarationProblem::UnknownTask { name } => here.declare_task(name),
             DeclarationProblem::UnknownService { name, .. } => here.declare_service(name),
             DeclarationProblem::CodelWithoutState

@@ -55,6 +55,25 @@ impl FixSite<'_> {
         Some(fix)
     }
 
+    /// `Name the type …`: a `typedef` before the port.
+    pub(crate) fn name_port_type(&self, port: &str) -> Option<TextFix> {
+        let declaration: ast::Port = self.node(self.range)?;
+        let ty = declaration.type_spec()?;
+        let range = TextRange::new(ty.syntax().text_range().start(), end_of(ty.syntax()));
+        let name = format!("{port}_data");
+        let at = before_comments(declaration.syntax())?;
+        let indent = indent_of(declaration.syntax());
+        let text = self.text(range);
+        Some(TextFix {
+            kind: FixKind::Guess,
+            title: format!("Name the type `{name}`"),
+            edits: vec![
+                (TextRange::empty(at), format!("typedef {text} {name};\n{indent}")),
+                (range, name),
+            ],
+        })
+    }
+
     /// `Declare activity …`, in the last task before it, or `Declare function …`, if there is no task.
     pub(crate) fn declare_service(&self, name: &str) -> Option<TextFix> {
         let item = self.item_of_component()?;

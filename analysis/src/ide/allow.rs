@@ -12,12 +12,16 @@ use crate::{
     suppress::MARK,
 };
 
+/// Returns true if the findings of a code are about comments that allow others.
+pub fn is_about_comment(code: &str) -> bool {
+    [lints::UNUSED_SUPPRESSION, lints::NO_REASON].contains(&code)
+}
+
 /// The fix that allows a finding by a comment above its declaration. The comment has no reason yet, which is
 /// reported. `None` if the finding cannot be allowed, or its declaration begins in the middle of a line.
 pub(crate) fn allowing(view: &FileView<'_>, diagnostic: &Diagnostic) -> Option<Fix> {
     let rule = lints::find(diagnostic.code)?;
-    let about_comment = [lints::UNUSED_SUPPRESSION, lints::NO_REASON].contains(&rule.id);
-    if diagnostic.severity == Severity::Error || about_comment {
+    if diagnostic.severity == Severity::Error || is_about_comment(rule.id) {
         return None;
     }
     let text = view.text();

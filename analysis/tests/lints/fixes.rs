@@ -315,6 +315,12 @@ fn what_is_used_and_declared_nowhere_can_be_declared() {
             "--- Declare the function `go`\ncomponent c {\n  function a() { };\n  function go() { };\n  \
              function stop() { before go; };\n};\n",
         ),
+        (
+            "port-anonymous",
+            "component c {\n  // The goal.\n  port in sequence<long> goal;\n};\n",
+            "--- Name the type `goal_data`\ncomponent c {\n  typedef sequence<long> goal_data;\n  // The goal.\n  \
+             port in goal_data goal;\n};\n",
+        ),
         // With the members as used, before the comment of the declaration.
         (
             "unknown-type",

@@ -1,7 +1,7 @@
 //! `dotgen codels build`
 
 use std::ffi::OsString;
-use std::io::{ErrorKind, IsTerminal as _, Write as _};
+use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -24,6 +24,7 @@ use dotgen_syntax::packages;
 use dotgen_timing::verify::Interrupt;
 
 use super::{check_is_file, project, roots};
+use crate::progress::{self, Activity};
 use crate::report::{self, FileReports, Format};
 use crate::{Outcome, SpecificationOptions, session};
 use dotgen_lsp_server::features::codels::Disk;
@@ -149,45 +150,6 @@ fn files(count: usize) -> String {
     match count {
         1 => "1 file".to_owned(),
         _ => format!("{count} files"),
-    }
-}
-
-/// A line on the terminal that counts compiled files. Dropping it clears the line.
-struct Counter {
-    of: usize,
-    done: AtomicUsize,
-    shown: bool,
-}
-
-impl Counter {
-    fn new(of: usize) -> Counter {
-        let dumb = std::env::var_os("TERM").is_some_and(|variable| variable == "dumb");
-        let counter = Counter {
-            of,
-            done: AtomicUsize::new(0),
-            shown: of > 0 && !dumb && std::io::stderr().is_terminal(),
-        };
-        counter.show(0);
-        counter
-    }
-
-    fn count_one(&self) {
-        self.show(self.done.fetch_add(1, Ordering::Relaxed) + 1);
-    }
-
-    fn show(&self, done: usize) {
-        if self.shown {
-            // If the terminal refuses the line, nothing else is printed.
-            let _ = write!(std::io::stderr(), "\rcompiled {done} of {}", files(self.of));
-        }
-    }
-}
-
-impl Drop for Counter {
-    fn drop(&mut self) {
-        if self.shown {
-            let _ = write!(std::io::stderr(), "\r\x1b[K");
-        }
     }
 }
 
@@ -392,7 +354,8 @@ impl Builder<'_> {
         links: &[&Step],
     ) -> anyhow::Result<(Vec<CompilerMessage>, Vec<String>)> {
         let todo = stale(steps);
-        let counter = Counter::new(todo.len());
+        let doing = format!("compiling {}", session::display(&self.folder.specification));
+        let done = AtomicUsize::new(0);
         let jobs = self
             .jobs
             .unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
@@ -403,23 +366,29 @@ impl Builder<'_> {
         let workspace = self.workspace();
         let work = |step: &Step| perform(step, &workspace, place, interrupt);
         let results = Mutex::new(Vec::new());
-        std::thread::scope(|scope| {
-            for _ in 0..jobs.min(todo.len()) {
-                scope.spawn(|| {
-                    while let Some(step) = todo.get(next.fetch_add(1, Ordering::Relaxed)) {
-                        if interrupt.is_raised() {
-                            break;
-                        }
-                        let result = work(step);
-                        counter.count_one();
-                        let mut results =
-                            results.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-                        results.push((&step.output, result));
-                    }
-                });
+        let compile = |tell: &(dyn Fn(Activity) + Sync)| {
+            let told = |done: usize| {
+                let how_far = format!("{done} of {}", files(todo.len()));
+                tell(Activity { what: doing.clone(), how_far });
+            };
+            told(0);
+            while let Some(step) = todo.get(next.fetch_add(1, Ordering::Relaxed)) {
+                if interrupt.is_raised() {
+                    break;
+                }
+                let result = work(step);
+                told(done.fetch_add(1, Ordering::Relaxed) + 1);
+                let mut results = results.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+                results.push((&step.output, result));
             }
+        };
+        progress::during(None, &doing, |tell| {
+            std::thread::scope(|scope| {
+                for _ in 0..jobs.min(todo.len()) {
+                    scope.spawn(|| compile(tell));
+                }
+            });
         });
-        drop(counter);
         let mut results = results.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
         results.sort_by_key(|mutex| mutex.0);
         let (mut said, mut other) = (Vec::new(), Vec::new());
@@ -440,7 +409,8 @@ impl Builder<'_> {
             if interrupt.is_raised() || are_fresh([*link]) {
                 continue;
             }
-            let (_, printed) = work(link)?;
+            let linking = format!("linking {}", session::display(&link.output));
+            let (_, printed) = progress::during(None, &linking, |_| work(link))?;
             let (places, rest) = build::said(&printed);
             said.extend(places);
             other.extend(rest);

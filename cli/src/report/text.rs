@@ -14,6 +14,7 @@ use dotgen_syntax::encoding;
 
 use super::{Compared, FileReports};
 use crate::session::{self, Texts};
+use crate::width::{with_titles_broken, with_titles_broken_for_errors};
 use dotgen_lsp_server::protocol::convert::Lines;
 use dotgen_platform::panic;
 
@@ -34,7 +35,8 @@ pub(crate) fn print(report: &FileReports) -> anyhow::Result<()> {
             all.collect()
         };
         for text in parallel::map(&parts, || (), one, |(), part| one(part)) {
-            out.write_all(terminal::styled(&encoding::shown(&text)).as_bytes())?;
+            let text = encoding::shown(&text);
+            out.write_all(with_titles_broken(&terminal::styled(&text)).as_bytes())?;
         }
     }
     let in_part = |comparison: &&Compared| !comparison.coverage.is_complete();
@@ -64,7 +66,8 @@ pub(crate) fn print_to_stderr<'d>(
     let mut out = anstream::AutoStream::auto(std::io::stderr().lock());
     for diagnostic in diagnostics {
         let text = render(diagnostic, texts);
-        writeln!(out, "{}\n", terminal::styled(&encoding::shown(&text)))?;
+        let text = encoding::shown(&text);
+        writeln!(out, "{}\n", with_titles_broken_for_errors(&terminal::styled(&text)))?;
     }
     Ok(())
 }

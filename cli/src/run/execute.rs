@@ -20,6 +20,7 @@ use super::bounds::{self, BoundVerification};
 use super::record::Recording;
 use super::recorder::{Files, Recorder, Runs};
 use super::{Arguments, Clock, Simulate, text};
+use crate::progress;
 use crate::report;
 use crate::session::Session;
 use dotgen_platform::files::disk::AppendedFile;
@@ -68,6 +69,12 @@ pub(super) struct RunEvents {
     pub(super) left_out: bool,
 }
 
+/// The default of `--engine-within`.
+const ENGINE_WITHIN: std::time::Duration = std::time::Duration::from_secs(1);
+
+/// The default of `--host-within`.
+const HOST_WITHIN: std::time::Duration = std::time::Duration::from_secs(2);
+
 /// A note for a run that ended before the verification of its response times.
 const NOT_PROVED: &str = "verification of response times cancelled: the run ended first; bounds are those \
      known before the run; `dotgen verify` may prove lower ones";
@@ -95,6 +102,11 @@ impl Context<'_, '_> {
             cancel.abandon();
             run
         })
+    }
+
+    /// Returns the text of the progress line.
+    fn doing(&self) -> String {
+        format!("running {} on the virtual clock", self.problem.scenario.name)
     }
 
     /// Returns the bounds that are known at the end of a run, and a note if some may be missing.
@@ -135,15 +147,17 @@ impl Context<'_, '_> {
         let interrupted = || self.interrupt.is_raised();
         let bounds = self.bounds.clone();
         let mut recording = self.recording(files.recording.take(), prepared, false)?;
-        let mut outcome = simulate_recorded(
-            prepared,
-            bounds,
-            &plan,
-            profile.as_mut(),
-            recording.as_mut().map(|recording| recording as &mut dyn Record),
-            None,
-            &interrupted,
-        );
+        let mut outcome = progress::during(None, &self.doing(), |_| {
+            simulate_recorded(
+                prepared,
+                bounds,
+                &plan,
+                profile.as_mut(),
+                recording.as_mut().map(|recording| recording as &mut dyn Record),
+                None,
+                &interrupted,
+            )
+        });
         let (bounds, note) = self.final_bounds(prepared);
         outcome.judge.bound_late(&bounds);
         let mut report = RunReport::new(prepared, &plan, &outcome, &bounds, &|_| false);
@@ -266,7 +280,7 @@ impl Context<'_, '_> {
         let (components, tasks) = (components.collect(), tasks.collect());
         let interrupt = (self.interrupt.clone(), arguments.stop_within);
         let mut children = Children::new(libraries, components, tasks, real, interrupt);
-        children.watch_engine_within(arguments.engine_within);
+        children.watch_engine_within(arguments.engine_within.unwrap_or(ENGINE_WITHIN));
         if arguments.debug {
             children.debug(arguments.waiting());
         }
@@ -377,7 +391,7 @@ impl Context<'_, '_> {
             });
         };
         live.set_stop_within(arguments.stop_within);
-        live.set_host_within(arguments.host_within);
+        live.set_host_within(arguments.host_within.unwrap_or(HOST_WITHIN));
         let execution = Execution {
             live: &mut live,
             pace,
@@ -387,15 +401,19 @@ impl Context<'_, '_> {
             violated: real.then_some(&violated as &ViolationReceiver<'_>),
         };
         let mut recording = self.recording(files.recording.take(), &opened, real)?;
-        let mut outcome = simulate_recorded(
-            &opened,
-            bounds,
-            &plan,
-            profile.as_mut(),
-            recording.as_mut().map(|recording| recording as &mut dyn Record),
-            Some(execution),
-            &interrupted,
-        );
+        let run = || {
+            simulate_recorded(
+                &opened,
+                bounds,
+                &plan,
+                profile.as_mut(),
+                recording.as_mut().map(|recording| recording as &mut dyn Record),
+                Some(execution),
+                &interrupted,
+            )
+        };
+        // Codels that are executed may print meanwhile.
+        let mut outcome = run();
         if outcome.end == End::NotStarted && self.interrupt.is_raised() {
             return Ok(None);
         }

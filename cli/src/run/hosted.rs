@@ -207,7 +207,7 @@ pub(super) fn inputs(
             bail!("`--input {path}`: `{component}` has no service `{service}`");
         };
         let values = serde_json::from_str(json)
-            .with_context(|| format!("`--input {path}`: the inputs are no JSON object"))?;
+            .with_context(|| format!("`--input {path}`: the inputs are not a JSON object"))?;
         let bytes = Values::new(member.spec).inputs(found, &values);
         let bytes = bytes.map_err(|error| anyhow::anyhow!("`--input {path}`: {error}"))?;
         out.insert(path.to_owned(), bytes);

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use anyhow::Context;
-#[cfg(feature = "zenoh")]
+use camino::Utf8Path;
 use dotgen_analysis::model::PortDir;
 use dotgen_runtime::live::HostedComponents;
 use dotgen_timing::scn::names::Names;
@@ -85,6 +85,7 @@ pub(super) fn start(
     if arguments.has_network() || arguments.ros2 {
         anyhow::bail!(crate::report::NO_ZENOH);
     }
+    let hint = hint(&known, arguments.socket.as_deref());
     let (feeds, inbox) = (parts.feeds.clone(), children.inbox());
     let (mut server, outside) =
         listen(&path, known, feeds, inbox, remote).map_err(anyhow::Error::msg)?;
@@ -99,6 +100,7 @@ pub(super) fn start(
         });
     }
     report::note(&format!("listening at `{}`", path.display()));
+    report::note(&hint);
     if let Some(params) = params {
         params.set_at(path);
     }
@@ -107,6 +109,22 @@ pub(super) fn start(
         #[cfg(feature = "zenoh")]
         _network: network,
     })
+}
+
+/// Returns how to call a service, to watch a port and to stop the run.
+fn hint(known: &BTreeMap<ComponentId, KnownComponent>, socket: Option<&Utf8Path>) -> String {
+    let socket = socket.map_or(String::new(), |path| format!("--socket {path} "));
+    let components = || known.values().map(KnownComponent::component);
+    let service = components().find_map(|component| {
+        let service = component.services.first()?;
+        Some(format!("`dotgen call {socket}{} {}` calls a service", component.name, service.name))
+    });
+    let port = components().find_map(|component| {
+        let port = component.ports.iter().find(|port| port.dir == PortDir::Out)?;
+        Some(format!("`dotgen watch {socket}{}/{}` prints a port", component.name, port.name))
+    });
+    let hints = service.into_iter().chain(port).chain(["Ctrl-C ends the run".to_owned()]);
+    hints.collect::<Vec<_>>().join("; ")
 }
 
 /// Connects to ROS 2, or to other machines if endpoints are given.

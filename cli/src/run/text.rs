@@ -13,6 +13,8 @@ use dotgen_timing::verify::settings;
 
 use super::{Answer, Contents};
 use crate::session;
+use crate::verify::text::ground;
+use crate::width::{Table, heading, wrapped};
 use dotgen_views::verification::summary;
 
 const TITLE: Style = Style::new().bold();
@@ -40,14 +42,10 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
     let unit = TimeUnit::of(&settings);
     let report = &answer.report;
     let simulated = answer.executed.0 == 0;
-    writeln!(
-        out,
-        "{TITLE}{}{TITLE:#}: {}{} {FAINT}({}){FAINT:#}",
-        report.scenario,
-        if simulated { "simulated, " } else { "" },
-        summary::platform(&settings),
-        session::display(&answer.problem.path),
-    )?;
+    let platform = summary::platform(&settings);
+    let platform = if simulated { format!("simulated, {platform}") } else { platform };
+    let rest = heading(&report.scenario, &platform, &session::display(&answer.problem.path));
+    writeln!(out, "{TITLE}{}{TITLE:#}: {rest}", report.scenario)?;
     let runs = match report.runs {
         1 => "1 run".to_owned(),
         n => format!("{n} runs"),
@@ -67,15 +65,7 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
     transitions(out, report)?;
     checks(out, report, unit)?;
     violations(out, report, unit)?;
-    if !report.assumptions.is_empty() {
-        writeln!(out, "\n{TITLE}assuming{TITLE:#}")?;
-        for assumption in &report.assumptions {
-            writeln!(out, "  - {assumption}")?;
-        }
-    }
-    for note in &report.notes {
-        writeln!(out, "{TITLE}note{TITLE:#}: {note}")?;
-    }
+    ground(out, &report.assumptions, &report.notes)?;
     for (path, count, of) in &answer.written {
         let what = match of {
             Contents::Lines => "lines",
@@ -88,7 +78,8 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
             Contents::Messages(steps) => format!(" and {steps} steps"),
             _ => String::new(),
         };
-        writeln!(out, "{TITLE}note{TITLE:#}: wrote {count} {what}{steps} to {path}")?;
+        let line = format!("{TITLE}note{TITLE:#}: wrote {count} {what}{steps} to {path}");
+        writeln!(out, "{}", wrapped(&line, 0, 2))?;
     }
     let (style, what) = match report.violation_count {
         0 => (GOOD, "nothing violated".to_owned()),
@@ -183,7 +174,7 @@ fn services(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> {
             row.service.clone(),
             row.requests.to_string(),
             row.refused.to_string(),
-            row.ended.to_string(),
+            if row.is_activity { row.ended.to_string() } else { String::new() },
         ]
     });
     let rows: Vec<_> = rows.collect();
@@ -252,7 +243,8 @@ fn checks(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::
     table(out, &["verdict", "check", "greatest", "limit"], &rows)?;
     for check in &report.checks {
         if let Some(why) = &check.why {
-            writeln!(out, "{OPEN}not exercised{OPEN:#} {}: {why}", title(check))?;
+            let line = format!("{OPEN}not exercised{OPEN:#} {}: {why}", title(check));
+            writeln!(out, "{}", wrapped(&line, 0, 2))?;
         }
     }
     Ok(())
@@ -281,7 +273,8 @@ fn violations(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::
             other => violated(other, unit),
         };
         let more = times(violation.times);
-        writeln!(out, "\n{BAD}violated{BAD:#} {what}, {at}{more}")?;
+        let line = format!("{BAD}violated{BAD:#} {what}, {at}{more}");
+        writeln!(out, "\n{}", wrapped(&line, 0, 2))?;
     }
     Ok(())
 }
@@ -341,28 +334,12 @@ fn table(out: &mut impl Write, head: &[&str], rows: &[Vec<String>]) -> std::io::
         return Ok(());
     }
     let texts = if head[0] == "verdict" { 2 } else { 1 };
-    let widths: Vec<usize> = (0..head.len())
-        .map(|column| {
-            let cells = rows.iter().map(|row| row[column].chars().count());
-            let most = cells.max().unwrap_or(0);
-            // Empty columns are left out.
-            if most == 0 { 0 } else { most.max(head[column].len()) }
-        })
-        .collect();
-    let line = |cells: &mut dyn Iterator<Item = &str>| {
-        let mut line = String::new();
-        for (column, (cell, &width)) in cells.zip(&widths).enumerate() {
-            match () {
-                () if width == 0 => {}
-                () if column < texts => line.push_str(&format!("  {cell:<width$}")),
-                () => line.push_str(&format!("  {cell:>width$}")),
-            }
-        }
-        line.trim_end().to_owned()
-    };
-    writeln!(out, "\n{FAINT}{}{FAINT:#}", line(&mut head.iter().copied()))?;
-    for row in rows {
-        writeln!(out, "{}", line(&mut row.iter().map(String::as_str)))?;
+    let rows = rows.iter().map(|row| row.iter().map(String::as_str).collect::<Vec<_>>());
+    let rows: Vec<Vec<&str>> = std::iter::once(head.to_vec()).chain(rows).collect();
+    let mut lines = Table { texts, long: texts - 1, indent: 2 }.lines(&rows).into_iter();
+    writeln!(out, "\n{FAINT}{}{FAINT:#}", lines.next().unwrap_or_default())?;
+    for line in lines {
+        writeln!(out, "{line}")?;
     }
     Ok(())
 }

@@ -54,6 +54,11 @@ impl ScenarioDiagnostics {
         });
         let (of_checks, of_files) =
             found.partition::<Vec<_>, _>(|diagnostic| diagnostic.path == option);
+        let warnings = problem.warnings.iter().cloned();
+        let of_files = warnings
+            .filter_map(|warning| Level::apply(&session.severity, warning))
+            .chain(of_files)
+            .collect();
         let mut out = ScenarioDiagnostics::about(session, problem, of_files)?;
         out.found.extend(of_checks);
         let lines = Lines::new(checks.join("\n").into(), Encoding::Utf16);

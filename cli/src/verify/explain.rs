@@ -5,6 +5,8 @@ use std::io::Write;
 use clap::builder::styling::Style;
 use dotgen_timing::reduction_use::ReductionUse;
 
+use crate::width::wrapped;
+
 const TITLE: Style = Style::new().bold();
 
 pub(super) fn print(out: &mut impl Write, reduction: &ReductionUse) -> anyhow::Result<()> {
@@ -16,6 +18,7 @@ pub(super) fn print(out: &mut impl Write, reduction: &ReductionUse) -> anyhow::R
     writeln!(out, "\n{TITLE}reductions{TITLE:#}")?;
     let width = lines.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     for (name, what) in lines {
+        let what = wrapped(&what, width + 4, width + 4);
         writeln!(out, "  {name:<width$}  {what}")?;
     }
     Ok(())

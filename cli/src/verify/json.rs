@@ -40,7 +40,13 @@ fn document(answer: &Answer) -> anyhow::Result<Json> {
             json["slack"] = json!((slack * 1000.0).round() / 1000.0);
         }
         if let Some(why) = why {
-            json["why"] = serde_json::to_value(why)?;
+            let unit = answer.report.unit;
+            let mut why_json = serde_json::to_value(why)?;
+            why_json["words"] = json!({ "cause": why.cause_in_words(unit) });
+            if let Some(remedy) = why.remedy_in_words(unit) {
+                why_json["words"]["remedy"] = json!(remedy);
+            }
+            json["why"] = why_json;
         }
     }
     document["diagnostics"] = answer.diagnostics.clone();

@@ -6,8 +6,8 @@ use dotgen_timing::advice::RepairProgress;
 use dotgen_timing::derive::InterimResult;
 use dotgen_timing::verify::Cancel;
 
-use super::progress::{self, Activity};
 use super::{Answer, Session, Slacks, text};
+use crate::progress::{self, Activity};
 use dotgen_views::verification::changes::{self, Repair};
 
 /// Computes all answers, and prints each when it is found if `prints` is set.
@@ -29,7 +29,7 @@ pub(super) fn found(
     let shows = prints && std::io::stdout().is_terminal();
     type Work<'a> = &'a mut dyn FnMut(&(dyn Fn(Activity) + Sync));
     let during = |doing: &str, work: Work<'_>| {
-        if shows { work(&|_| {}) } else { progress::during(cancel, doing, work) }
+        if shows { work(&|_| {}) } else { progress::during(Some(cancel), doing, work) }
     };
     let (problem, options, report) = (&answer.problem, &answer.options, &answer.report);
     let mut repairs = changes::Repairs::default();

@@ -8,8 +8,9 @@ use dotgen_timing::derive::{Extreme, MinimumCores, Sensitivity};
 use dotgen_timing::explore::MomentKind;
 use dotgen_timing::report::{Event, TimeUnit};
 
+use super::table::{style, table};
 use super::{Answer, explain};
-use crate::width::wrapped;
+use crate::width::{heading, wrapped};
 use dotgen_timing::report::Verdict;
 use dotgen_views::verification::advice;
 use dotgen_views::verification::blocking;
@@ -31,26 +32,15 @@ pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::
     let settings = answer.settings();
     let unit = TimeUnit::of(&settings);
     let report = &answer.report;
-    writeln!(
-        out,
-        "{TITLE}{}{TITLE:#}: {} {FAINT}({}){FAINT:#}",
-        report.scenario,
-        summary::platform(&settings),
-        answer.file(),
-    )?;
+    let rest = heading(&report.scenario, &summary::platform(&settings), &answer.file());
+    writeln!(out, "{TITLE}{}{TITLE:#}: {rest}", report.scenario)?;
     // Without any execution time, the table is sufficient.
     let is_nothing = |answer: &FirstAnswer| answer.outcome == Verdict::Nothing;
     if !answer.first.iter().all(is_nothing) {
         first_answers(out, &answer.first)?;
     }
     let view = answer.view();
-    let mut rows: Vec<Row> = view.checks.iter().map(Row::new).collect();
-    let shared = shared_remarks(&mut rows);
-    table(out, &rows)?;
-    for (number, remark) in (1..).zip(shared) {
-        let remark = wrapped(&remark, 6, 6);
-        writeln!(out, "{}  [{number}] {remark}", if number == 1 { "\n" } else { "" })?;
-    }
+    table(out, &view.checks)?;
     let conditions: BTreeSet<&str> =
         view.checks.iter().filter_map(|check| check.condition.as_deref()).collect();
     for condition in conditions {
@@ -75,12 +65,13 @@ fn first_answers(out: &mut impl Write, answers: &[FirstAnswer]) -> std::io::Resu
             format!(": {}", answer.open.join(", "))
         };
         let (assuming, counted) = (&answer.assuming, answer.outcome.counted());
-        writeln!(out, "  {assuming:<width$}  {counted}{open}")?;
+        let text = wrapped(&format!("{counted}{open}"), width + 4, 6);
+        writeln!(out, "  {assuming:<width$}  {text}")?;
     }
     writeln!(out, "  any client:")
 }
 
-/// Prints the run of a check, with its cause and its help.
+/// Prints the cause and the help of a check, and then its run.
 fn shown_run(
     out: &mut impl Write,
     seen: &CheckView<'_>,
@@ -95,12 +86,6 @@ fn shown_run(
     let style = style(seen.verdict);
     let word = seen.verdict.word();
     writeln!(out, "\n{style}{word}{style:#} {}", seen.title())?;
-    run(out, events, check.cycle, unit, explained)?;
-    let requests = events.iter().filter(|event| event.kind == MomentKind::Request);
-    let requests: Vec<&str> = requests.map(|request| request.what.as_str()).collect();
-    if !requests.is_empty() {
-        labelled(out, "requests", &requests.join(", then "))?;
-    }
     if let Some(cause) = &seen.cause {
         labelled(out, "cause", cause)?;
     }
@@ -110,6 +95,12 @@ fn shown_run(
     for reason in &seen.reason {
         labelled(out, "because", reason)?;
     }
+    let requests = events.iter().filter(|event| event.kind == MomentKind::Request);
+    let requests: Vec<&str> = requests.map(|request| request.what.as_str()).collect();
+    if !requests.is_empty() {
+        labelled(out, "requests", &requests.join(", then "))?;
+    }
+    run(out, events, check.cycle, unit, explained)?;
     Ok(())
 }
 
@@ -119,21 +110,31 @@ fn labelled(out: &mut impl Write, label: &str, text: &str) -> std::io::Result<()
     writeln!(out, "  {TITLE}{label}{TITLE:#} {text}")
 }
 
+/// Prints the assumptions and the notes of a report.
+pub(crate) fn ground(
+    out: &mut impl Write,
+    assumptions: &[String],
+    notes: &[String],
+) -> std::io::Result<()> {
+    if !assumptions.is_empty() {
+        writeln!(out, "\n{TITLE}assuming{TITLE:#}")?;
+        for assumption in assumptions {
+            writeln!(out, "  - {}", wrapped(assumption, 4, 4))?;
+        }
+    }
+    for note in notes {
+        writeln!(out, "{TITLE}note{TITLE:#}: {}", wrapped(note, 6, 2))?;
+    }
+    Ok(())
+}
+
 /// Prints the assumptions and the summary.
 pub(super) fn tail(answer: &Answer, explained: bool) -> anyhow::Result<()> {
     let out = &mut anstream::AutoStream::auto(std::io::stdout().lock());
     let (report, view) = (&answer.report, answer.view());
-    if !report.assumptions.is_empty() {
-        writeln!(out, "\n{TITLE}assuming{TITLE:#}")?;
-        for assumption in &report.assumptions {
-            writeln!(out, "  - {assumption}")?;
-        }
-    }
-    for note in &report.notes {
-        writeln!(out, "{TITLE}note{TITLE:#}: {note}")?;
-    }
+    ground(out, &report.assumptions, &report.notes)?;
     if let Some(report) = advice::of_report(report, &answer.problem, advice::Names::Options) {
-        writeln!(out, "\n{TITLE}help{TITLE:#}: {report}")?;
+        writeln!(out, "\n{TITLE}help{TITLE:#}: {}", wrapped(&report, 6, 2))?;
     }
     let count = |outcome| view.checks.iter().filter(|check| check.verdict == outcome).count();
     let counts: Vec<String> = Verdict::ALL
@@ -171,13 +172,15 @@ impl Limits {
 
     /// Prints a change that repairs the system.
     pub(super) fn repair(&self, out: &mut dyn Write, repair: &Repair) -> std::io::Result<()> {
-        writeln!(out, "  {TITLE}repair{TITLE:#} {}", repair.words)
+        let line = format!("  {TITLE}repair{TITLE:#} {}", repair.words);
+        writeln!(out, "{}", wrapped(&line, 0, 4))
     }
 
     /// Prints the smallest of several changes, and a note if not all were tried.
     pub(super) fn repaired(&self, out: &mut dyn Write, all: &Repairs) -> std::io::Result<()> {
         if let [smallest, _, ..] = &all.all[..] {
-            writeln!(out, "  {TITLE}smallest{TITLE:#} {}", smallest.words)?;
+            let line = format!("  {TITLE}smallest{TITLE:#} {}", smallest.words);
+            writeln!(out, "{}", wrapped(&line, 0, 4))?;
         }
         if all.incomplete {
             writeln!(out, "  {FAINT}not every change was tried{FAINT:#}")
@@ -210,7 +213,9 @@ impl Limits {
         }
         let now = self.unit.show_value(limit.now);
         let (of, width) = (&limit.of, self.width);
-        writeln!(out, "  {what:<15} {of:<width$}  {extreme} {FAINT}(now {now}{remark}){FAINT:#}")
+        let line =
+            format!("  {what:<15} {of:<width$}  {extreme} {FAINT}(now {now}{remark}){FAINT:#}");
+        writeln!(out, "{}", wrapped(&line, 0, 6))
     }
 
     /// Prints the most critical value, and a note if something is missing.
@@ -221,7 +226,7 @@ impl Limits {
     ) -> std::io::Result<()> {
         if let Some(next) = &sensitivity.next_to_break {
             let next = summary::next_to_break(next, self.unit);
-            writeln!(out, "  next to break: {next}")?;
+            writeln!(out, "{}", wrapped(&format!("  next to break: {next}"), 0, 4))?;
         }
         if sensitivity.incomplete {
             writeln!(out, "  {FAINT}given up here: time is up, or it was interrupted{FAINT:#}")
@@ -231,121 +236,16 @@ impl Limits {
     }
 }
 
-/// A row of the table.
-struct Row {
-    verdict: &'static str,
-    style: Style,
-    check: String,
-    of: String,
-    value: String,
-    limit: String,
-    slack: String,
-    remark: String,
-    /// The number of a remark that is shown once, below the table.
-    shared: Option<usize>,
-}
+/// Maximum number of lines of a whole run. Of a longer run, the part that matters is shown: from the release
+/// of the last job of the task at its end.
+const MAX_LINES: usize = 40;
 
-impl Row {
-    fn new(view: &CheckView) -> Row {
-        let check = view.report;
-        let note = check.note.as_deref();
-        let remarks: Vec<&str> = note.into_iter().chain(view.worth).collect();
-        Row {
-            verdict: view.verdict.word(),
-            style: style(view.verdict),
-            check: match &check.name {
-                Some(name) => format!("{name}: {}", check.kind),
-                None => check.kind.to_string(),
-            },
-            of: check.of.clone(),
-            value: view.value.clone().unwrap_or_default(),
-            limit: view.limit.clone().unwrap_or_default(),
-            slack: view.slack.clone().unwrap_or_default(),
-            remark: remarks.join("; "),
-            shared: None,
-        }
-    }
-}
+/// Number of lines if that part is unknown, or longer than `MAX_PART`.
+const TAIL_LINES: usize = 30;
+const MAX_PART: usize = 100;
 
-/// Moves long remarks of several rows below the table. The rows refer to them by number.
-fn shared_remarks(rows: &mut [Row]) -> Vec<String> {
-    const LONG: usize = 100;
-    let mut shared: Vec<String> = Vec::new();
-    for at in 0..rows.len() {
-        let remark = rows[at].remark.clone();
-        if remark.len() <= LONG || shared.contains(&remark) {
-            continue;
-        }
-        if rows[at + 1..].iter().any(|row| row.remark == remark) {
-            shared.push(remark);
-        }
-    }
-    for row in rows {
-        row.shared = shared.iter().position(|remark| *remark == row.remark).map(|index| index + 1);
-    }
-    shared
-}
-
-fn style(outcome: Verdict) -> Style {
-    match outcome {
-        Verdict::Proved => AnsiColor::Green.on_default(),
-        Verdict::Refuted | Verdict::Exceeds => AnsiColor::Red.on_default().bold(),
-        _ => AnsiColor::Yellow.on_default().bold(),
-    }
-}
-
-fn table(out: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
-    if rows.is_empty() {
-        return Ok(());
-    }
-    let width = |head: &str, cell: fn(&Row) -> &String| {
-        let cells = rows.iter().map(|row| cell(row).chars().count());
-        cells.max().map_or(0, |cell| if cell == 0 { 0 } else { cell.max(head.len()) })
-    };
-    let verdict = rows.iter().map(|row| row.verdict.len()).max().unwrap_or_default().max(8);
-    let (check, of) = (width("check", |row| &row.check), width("of", |row| &row.of));
-    let (value, limit) = (width("value", |row| &row.value), width("limit", |row| &row.limit));
-    let slack = width("slack", |row| &row.slack);
-    // Empty columns are left out.
-    let right = |text: &str, width: usize| match width {
-        0 => String::new(),
-        _ => format!("  {text:>width$}"),
-    };
-    let head = |text: &'static str, width| if width == 0 { "" } else { text };
-    let line = format!(
-        "  {:<verdict$}  {:<check$}  {:<of$}{}{}{}",
-        "verdict",
-        "check",
-        "of",
-        right(head("value", value), value),
-        right(head("limit", limit), limit),
-        right(head("slack", slack), slack),
-    );
-    writeln!(out, "\n{FAINT}{}{FAINT:#}", line.trim_end())?;
-    for row in rows {
-        let style = row.style;
-        let mut rest = format!(
-            "  {:<check$}  {:<of$}{}{}{}",
-            row.check,
-            row.of,
-            right(&row.value, value),
-            right(&row.limit, limit),
-            right(&row.slack, slack),
-        );
-        match (row.shared, row.remark.as_str()) {
-            (Some(number), _) => rest.push_str(&format!("  [{number}]")),
-            (None, "") => {}
-            (None, remark) => rest.push_str(&format!("  ({remark})")),
-        }
-        writeln!(out, "  {style}{:<verdict$}{style:#}{}", row.verdict, rest.trim_end())?;
-    }
-    Ok(())
-}
-
-/// Maximum number of lines of a run. Of longer runs the beginning and the end are shown.
-const MAX_LINES: usize = 100;
+/// Number of lines before the repeated part of a run.
 const HEAD_LINES: usize = 20;
-const TAIL_LINES: usize = 50;
 
 /// A line of a run.
 enum Line {
@@ -371,6 +271,28 @@ fn lines(events: &[Event], cycle: Option<usize>) -> Vec<Line> {
     lines.collect()
 }
 
+/// The lines of a run that are not shown.
+fn left_out(lines: &[Line], events: &[Event], cycle: Option<usize>) -> std::ops::Range<usize> {
+    if lines.len() <= MAX_LINES {
+        return 0..0;
+    }
+    let tail = lines.len() - TAIL_LINES;
+    if cycle.is_some() {
+        return HEAD_LINES.min(tail)..tail;
+    }
+    let released = events.split_last().and_then(|(last, before)| {
+        before.iter().rposition(|event| {
+            let kind = matches!(event.kind, MomentKind::Tick | MomentKind::Release);
+            kind && event.time < last.time && event.thread == last.thread
+        })
+    });
+    let first = released.and_then(|step| lines.iter().position(|line| line.last() >= step));
+    match first {
+        Some(first) if lines.len() - first <= MAX_PART => 0..first,
+        _ => 0..tail,
+    }
+}
+
 /// Returns a run as a list. Equal times are shown once, and so is a repeated part.
 fn run(
     out: &mut impl Write,
@@ -381,8 +303,7 @@ fn run(
 ) -> std::io::Result<()> {
     let time = |step: usize| unit.show(events[step].time);
     let lines = lines(events, cycle);
-    let left_out =
-        if lines.len() > MAX_LINES { HEAD_LINES..lines.len() - TAIL_LINES } else { 0..0 };
+    let left_out = left_out(&lines, events, cycle);
     let shown = lines.iter().enumerate().filter(|pair| !left_out.contains(&pair.0));
     let steps = shown.filter_map(|pair| match pair.1 {
         Line::Step(step) => Some(*step),
@@ -393,17 +314,18 @@ fn run(
     let mut before = None;
     for (i, line) in lines.iter().enumerate() {
         if i == left_out.start && !left_out.is_empty() {
-            let (from, to) = (lines[i - 1].last(), lines[left_out.end - 1].last());
-            let cycle = cycle.filter(|cycle| (from + 1..=to).contains(cycle));
+            let from = i.checked_sub(1).map_or(0, |before| lines[before].last() + 1);
+            let to = lines[left_out.end - 1].last();
+            let cycle = cycle.filter(|cycle| (from..=to).contains(cycle));
             let cycle = cycle.map_or(String::new(), |cycle| {
                 format!("; what goes on for ever begins at {}", time(cycle))
             });
-            writeln!(
-                out,
-                "  {FAINT}… {} steps until {}{cycle}; `--format json` has all of them …{FAINT:#}",
-                to - from,
+            let count = to + 1 - from;
+            let text = format!(
+                "… {count} steps until {}{cycle}; `--format json` has the whole run …",
                 time(to)
-            )?;
+            );
+            writeln!(out, "  {FAINT}{}{FAINT:#}", wrapped(&text, 2, 4))?;
             before = None;
         }
         if left_out.contains(&i) {
@@ -434,10 +356,12 @@ fn run(
         } else {
             String::new()
         };
+        let indent = time_width + who_width + 6;
+        let what = wrapped(&event.what, indent, indent + 2);
         writeln!(
             out,
-            "  {at:>time_width$}  {:<who_width$}  {style}{}{style:#}{rule}",
-            event.thread, event.what
+            "  {at:>time_width$}  {:<who_width$}  {style}{what}{style:#}{rule}",
+            event.thread
         )?;
     }
     Ok(())

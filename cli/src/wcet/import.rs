@@ -1,5 +1,6 @@
 //! `dotgen wcet import`
 
+mod given;
 mod output;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -22,7 +23,8 @@ use dotgen_timing::scn::ast::{Item, Scenario};
 use dotgen_timing::scn::names::Names;
 use num_rational::Ratio;
 
-use super::{given, read_log};
+use self::given::Given;
+use super::{input_files, read_log};
 use crate::session::{Session, display};
 use crate::verify::one_problem;
 use crate::{Outcome, SpecificationOptions, fmt, report};
@@ -31,14 +33,16 @@ use dotgen_views::verification::Problem;
 
 /// Write measured execution times into a specification
 ///
-/// Each measured codel gets its longest time, multiplied by the margin and rounded up to two digits. Existing
-/// times are only raised; `--replace` lowers them too. Nothing else changes: bytes, line ends and comments
-/// stay.
+/// Each measured codel gets its longest time, multiplied by the margin and rounded up to two digits. A file
+/// of worst cases (NAME.wcet: each line has the function of a codel and its time in seconds) is taken as it
+/// is, without a margin. Existing times are only raised; `--replace` lowers them too. Nothing else changes:
+/// bytes, line ends and comments stay.
 ///
 /// Exit status: 0 if all times are written, 1 if some must be written by hand, 2 if nothing could be done.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Logs of GenoM3's profiler (`-` is standard input), and a specification (.gen) or scenario (.scn)
+    /// Logs of GenoM3's profiler (`-` is standard input) or files of worst cases (.wcet), and a specification
+    /// (.gen) or scenario (.scn)
     /// [default: the only specification in the current directory]
     #[arg(value_name = "FILE", required = true)]
     files: Vec<Utf8PathBuf>,
@@ -103,6 +107,8 @@ struct Row {
 
 /// The result of an import.
 struct Answer {
+    /// Result of files of worst cases; `None` if logs were read.
+    given: Option<Given>,
     logs: Vec<Utf8PathBuf>,
     rows: Vec<Row>,
     strays: Vec<(LineKind, Mismatch, u64)>,
@@ -116,7 +122,7 @@ struct Answer {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
-    let mut files = given(&arguments.files)?;
+    let mut files = input_files(&arguments.files)?;
     files.texts.extend(arguments.spec.iter().cloned());
     if files.texts.is_empty() {
         files.texts.push(only_specification()?);
@@ -129,13 +135,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         is_scenario || arguments.form != FormName::Sidecar,
         "`--as sidecar` writes into a scenario: name one (.scn) that uses the specification"
     );
-    let mut measured = LogMeasurements::default();
-    for (file, log) in files.logs.iter().enumerate() {
-        read_log(log, |number, line, ended| {
-            measured.line(file, number, line, ended);
-        })?;
-    }
-    let answer = answer(arguments, &mut session, &problem, files.logs, &measured)?;
+    let answer = answer(arguments, &mut session, &problem, files.logs)?;
     if arguments.diff && arguments.format == Format::Text {
         for (path, (old, new)) in &answer.changed {
             fmt::print_diff(&display(path), old, new)?;
@@ -170,12 +170,20 @@ fn answer(
     session: &mut Session,
     problem: &Problem,
     logs: Vec<Utf8PathBuf>,
-    measured: &LogMeasurements,
 ) -> anyhow::Result<Answer> {
     let specs = problem.specs();
     let names = Names::new(&specs);
-    let found = measured.found(&names);
-    let (rows, wanted) = rows(arguments, problem, &names, found.sites);
+    let given = given::read(&logs)?;
+    let mut measured = LogMeasurements::default();
+    if given.is_none() {
+        for (file, log) in logs.iter().enumerate() {
+            read_log(log, |number, line, ended| measured.line(file, number, line, ended))?;
+        }
+    }
+    let mut found = measured.found(&names);
+    let given = given.map(|times| Given::assign(&times, &names, &mut found.sites)).transpose()?;
+    let margin = given.is_none().then_some(arguments.margin);
+    let (rows, wanted) = rows(arguments, margin, problem, &names, found.sites);
     let is_measured = rows.iter().any(|row| row.measure.runs > 0);
     ensure!(
         is_measured || found.simulated.is_empty(),
@@ -192,6 +200,7 @@ fn answer(
         bail!("no codel of the specification was measured: {why}");
     }
     let mut answer = Answer {
+        given,
         logs,
         rows,
         strays: found.strays,
@@ -222,6 +231,7 @@ fn answer(
 /// Returns a row for each codel, and the times to write, in microseconds.
 fn rows(
     arguments: &Arguments,
+    margin: Option<Margin>,
     problem: &Problem,
     names: &Names<'_>,
     sites: Vec<(Site, ExecutionTimes)>,
@@ -250,7 +260,10 @@ fn rows(
             Some(upper) => upper,
             None => codel.wcet.as_ref().map(|wcet| wcet.value),
         };
-        let proposed = of.map(|number| micros(number, arguments.margin));
+        let proposed = of.map(|number| match margin {
+            Some(margin) => micros(number, margin),
+            None => given::micros(number),
+        });
         // A duration without an upper bound is greater than any other.
         let endless = of_scenario == Some(None);
         let decision = if endless && proposed.is_some() && !arguments.replace {

@@ -7,10 +7,13 @@ use camino::Utf8PathBuf;
 use clap::{Args, ValueEnum};
 use dotgen_analysis::terminal;
 use dotgen_recording::log::SkippedLines;
-use dotgen_recording::statistics::{Collector, Group, Times, lines};
+use dotgen_recording::statistics::{
+    Collector, Group, Times, lines, transition_counts, worst_cases,
+};
 use serde::Serialize;
 
 use super::read_log;
+use crate::width::Table;
 use crate::{Outcome, report};
 
 /// Print statistics of logs: execution times, cycles, transitions
@@ -36,6 +39,10 @@ enum Format {
     Json,
     /// The machine-readable lines of `profundis -s`
     Sum,
+    /// The longest time of each function, in seconds (NAME.wcet of templates of formal models)
+    Wcet,
+    /// The counts of transitions (all.proba of the template of UPPAAL-SMC)
+    Proba,
 }
 
 #[derive(Serialize)]
@@ -58,11 +65,15 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         bail!("there is no run of a codel in what was read: {why}");
     }
     let text = match arguments.format {
-        Format::Sum => {
+        Format::Sum | Format::Wcet | Format::Proba => {
             for text in told(&collector.left) {
                 report::note(&text);
             }
-            let text = lines(&groups);
+            let text = match arguments.format {
+                Format::Wcet => worst_cases(&groups),
+                Format::Proba => transition_counts(&groups),
+                _ => lines(&groups),
+            };
             // In a pipe, names are not escaped.
             if std::io::stdout().is_terminal() { terminal::text(&text).into_owned() } else { text }
         }
@@ -113,19 +124,9 @@ pub(crate) fn table<const N: usize>(
     out: &mut impl Write,
     rows: &[[String; N]],
 ) -> std::io::Result<()> {
-    let width = |column: usize| {
-        let widths = rows.iter().map(|row| row[column].chars().count());
-        widths.max().unwrap_or(0)
-    };
-    let widths: Vec<usize> = (0..N).map(width).collect();
-    for row in rows {
-        let cells = row.iter().zip(&widths).enumerate();
-        let cells = cells.map(|(column, (text, &width))| match column {
-            0 => format!("{text:<width$}"),
-            _ => format!("{text:>width$}"),
-        });
-        let line = cells.collect::<Vec<_>>().join("  ");
-        writeln!(out, "{}", line.trim_end())?;
+    let rows: Vec<[&str; N]> = rows.iter().map(|row| row.each_ref().map(String::as_str)).collect();
+    for line in (Table { texts: 1, long: 0, indent: 0 }).lines(&rows) {
+        writeln!(out, "{line}")?;
     }
     Ok(())
 }

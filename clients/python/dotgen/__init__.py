@@ -24,6 +24,7 @@ from .client import (
     Lost,
     Port,
     Service,
+    Silent,
     Wrong,
     connect,
 )
@@ -38,6 +39,7 @@ __all__ = [
     "Lost",
     "Port",
     "Service",
+    "Silent",
     "Wrong",
     "connect",
 ]

@@ -22,6 +22,7 @@ from collections.abc import AsyncIterator, Callable, Generator
 from typing import Any, Generic, TypeVar, Union
 
 from .protocol import (
+    TIMEOUT,
     Answer,
     Answers,
     Described,
@@ -32,6 +33,7 @@ from .protocol import (
     Receive,
     Requests,
     Signature,
+    Silent,
     Wrong,
     inlet,
     inlets,
@@ -55,6 +57,7 @@ __all__ = [
     "Lost",
     "Port",
     "Service",
+    "Silent",
     "Wrong",
     "connect",
 ]
@@ -238,8 +241,15 @@ class Component(Described):
 class Connection:
     """A connection to a run."""
 
-    def __init__(self, path: str, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+    def __init__(
+        self,
+        path: str,
+        reader: asyncio.StreamReader,
+        writer: asyncio.StreamWriter,
+        timeout: float | None = TIMEOUT,
+    ) -> None:
         self._path = path
+        self._timeout = timeout
         self._reader = reader
         self._writer = writer
         self._requests = Requests()
@@ -277,7 +287,9 @@ class Connection:
         number, line = self._requests.open(request, exchange.put)
         self._write(line)
         try:
-            return await exchange.wait(exchange.answers.take)
+            return await asyncio.wait_for(exchange.wait(exchange.answers.take), self._timeout)
+        except asyncio.TimeoutError:
+            raise Silent(request, self._timeout) from None
         finally:
             self._requests.close(number)
 
@@ -323,14 +335,16 @@ class connect:
     """Connects to a run: at the path of its socket, at `localhost:PORT`, or to the only run.
 
     Use `async with connect() as robot:`, or `robot = await connect()` with `await robot.close()`.
+    If the run does not answer within `timeout` seconds, connecting, reads and writes raise `Silent`.
     """
 
-    def __init__(self, path: _Path | None = None) -> None:
+    def __init__(self, path: _Path | None = None, *, timeout: float | None = TIMEOUT) -> None:
         self._path = path
+        self._timeout = timeout
         self._connection: Connection | None = None
 
     def __await__(self) -> Generator[Any, None, Connection]:
-        return _connect(self._path).__await__()
+        return _connect(self._path, self._timeout).__await__()
 
     async def __aenter__(self) -> Connection:
         self._connection = await self
@@ -341,13 +355,15 @@ class connect:
             await self._connection.close()
 
 
-async def _connect(path: _Path | None) -> Connection:
+async def _connect(path: _Path | None, timeout: float | None) -> Connection:
     if path is not None:
-        return await _open(path)
+        return await _open(path, timeout)
     found: list[Connection] = []
     for each in sockets():
         try:
-            found.append(await _open(each))
+            found.append(await _open(each, timeout))
+        except Silent:
+            raise
         except Lost:
             continue
     try:
@@ -359,7 +375,7 @@ async def _connect(path: _Path | None) -> Connection:
     return found[0]
 
 
-async def _open(path: _Path) -> Connection:
+async def _open(path: _Path, timeout: float | None) -> Connection:
     shown, port = os.fspath(path), tcp_port(path)
     try:
         if port is None:
@@ -369,7 +385,7 @@ async def _open(path: _Path) -> Connection:
             writer.write(token(port))
     except OSError as error:
         raise Lost(f"no run listens at `{shown}`: {error.strerror}") from None
-    connection = Connection(shown, reader, writer)
+    connection = Connection(shown, reader, writer, timeout)
     try:
         connection._components = (await connection._ask({"describe": None}))["components"]
     except BaseException:

@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, Generic, TypeVar, Union
 
 from .protocol import (
+    TIMEOUT,
     Answer,
     Answers,
     Described,
@@ -24,6 +25,7 @@ from .protocol import (
     Receive,
     Requests,
     Signature,
+    Silent,
     Wrong,
     inlet,
     inlets,
@@ -47,6 +49,7 @@ __all__ = [
     "Lost",
     "Port",
     "Service",
+    "Silent",
     "Wrong",
     "connect",
 ]
@@ -276,26 +279,37 @@ class Component(Described):
 
 
 class Connection:
-    """A connection to a run."""
+    """A connection to a run. `timeout` limits the wait for answers that a run gives at once, in seconds.
 
-    def __init__(self, path: _Path) -> None:
+    Services are not limited by it: their calls have a `timeout` of their own.
+    """
+
+    def __init__(self, path: _Path, timeout: float | None = TIMEOUT) -> None:
+        self._timeout = timeout
         self._path = os.fspath(path)
         port = tcp_port(path)
         family = socket.AF_UNIX if port is None else socket.AF_INET
         self._socket = socket.socket(family, socket.SOCK_STREAM)
+        self._socket.settimeout(timeout)
         try:
             self._socket.connect(self._path if port is None else ("127.0.0.1", port))
             if port is not None:
                 self._socket.sendall(token(port))
         except OSError as error:
             self._socket.close()
-            raise Lost(f"no run listens at `{self._path}`: {error.strerror}") from None
+            reason = error.strerror or str(error)
+            raise Lost(f"no run listens at `{self._path}`: {reason}") from None
+        self._socket.settimeout(None)
         self._lock = threading.Lock()
         self._requests = Requests()
         self._callbacks: queue.SimpleQueue[Callable[[], object]] = queue.SimpleQueue()
         self._caller: threading.Thread | None = None
         threading.Thread(target=self._read, daemon=True).start()
-        self._components: list[dict[str, Any]] = self._ask({"describe": None})["components"]
+        try:
+            self._components: list[dict[str, Any]] = self._ask({"describe": None})["components"]
+        except BaseException:
+            self.close()
+            raise
 
     def __repr__(self) -> str:
         return f"<Connection {self._path}: {', '.join(self.components())}>"
@@ -331,7 +345,9 @@ class Connection:
             number, line = self._requests.open(request, exchange.put)
             self._write(line)
         try:
-            return exchange.wait(exchange.answers.take)
+            return exchange.wait(exchange.answers.take, self._timeout)
+        except TimeoutError:
+            raise Silent(request, self._timeout) from None
         finally:
             with self._lock:
                 self._requests.close(number)
@@ -428,14 +444,20 @@ class Connection:
         self.close()
 
 
-def connect(path: _Path | None = None) -> Connection:
-    """Connects to a run: at the path of its socket, at `localhost:PORT`, or to the only run."""
+def connect(path: _Path | None = None, *, timeout: float | None = TIMEOUT) -> Connection:
+    """Connects to a run: at the path of its socket, at `localhost:PORT`, or to the only run.
+
+    If the run does not answer within `timeout` seconds, connecting, reads and writes raise `Silent`. None
+    waits without limit.
+    """
     if path is not None:
-        return Connection(path)
+        return Connection(path, timeout)
     found: list[Connection] = []
     for each in sockets():
         try:
-            found.append(Connection(each))
+            found.append(Connection(each, timeout))
+        except Silent:
+            raise
         except Lost:
             continue
     try:

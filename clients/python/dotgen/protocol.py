@@ -22,6 +22,9 @@ Receive = Callable[[Answer], None]
 # Values of a port, or violations, that a reader may lag behind. Beyond them, the oldest one is dropped.
 _BEHIND = 10_000
 
+#: Seconds in which a run must answer a request that it answers at once.
+TIMEOUT = 5.0
+
 # Names that mean this machine.
 HERE = ("localhost", "127.0.0.1")
 
@@ -47,6 +50,14 @@ class Failed(Error):
         self.exception = exception
         #: Members of the exception by name, or None.
         self.detail = detail
+
+
+class Silent(Lost, TimeoutError):
+    """A run that does not answer: it is stopped, or the machine is overloaded."""
+
+    def __init__(self, request: dict[str, Any], timeout: float | None) -> None:
+        kind = next(iter(request))
+        super().__init__(f"the run did not answer `{kind}` within {timeout} s: is its process stopped?")
 
 
 class Answers:
@@ -165,7 +176,10 @@ class Requests:
         return line
 
     def unwatch(self, path: str, receive: Receive) -> None:
-        """Removes a reader of a port."""
+        """Removes a reader of a port.
+
+        The run goes on sending the port: the protocol has no request that ends `watch`.
+        """
         readers = self._watched.get(path, [])
         if receive in readers:
             readers.remove(receive)

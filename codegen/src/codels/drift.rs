@@ -169,6 +169,14 @@ pub enum Repair {
         /// Start of the function.
         start: usize,
     },
+    /// Give the codel the parameters of its function.
+    AdaptParameters {
+        at: CodelRef,
+        /// File of the function.
+        path: Utf8PathBuf,
+        /// Start of the function.
+        start: usize,
+    },
     /// Update the generated comment.
     RefreshComment {
         at: CodelRef,
@@ -253,7 +261,8 @@ impl Repair {
 
     /// True if only the user can decide that it is right. It is then never applied without a request.
     pub fn is_choice(&self) -> bool {
-        self.changes_code() || matches!(self, Repair::AddPausedYield { .. })
+        self.changes_code()
+            || matches!(self, Repair::AddPausedYield { .. } | Repair::AdaptParameters { .. })
     }
 }
 

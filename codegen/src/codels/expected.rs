@@ -60,19 +60,10 @@ pub struct ExpectedFunction {
     pub may_throw_more: bool,
 }
 
-/// The language of a component, which selects the file suffix and the mapping.
-fn interface_language(component: &Component) -> Language {
-    let lang = component.lang.as_deref().and_then(Language::from_name);
-    match lang {
-        Some(Language::Cxx) => Language::Cxx,
-        _ => Language::C,
-    }
-}
-
 impl<'a> Expected<'a> {
     /// The functions that a component requires.
     pub fn new(spec: &'a Spec, component: u32) -> Expected<'a> {
-        let language = interface_language(&spec.components[component as usize]);
+        let language = Language::of(&spec.components[component as usize]);
         Expected::in_language(spec, component, language)
     }
 

@@ -6,8 +6,6 @@
 //! [`dotgen_analysis::model::gaps`].
 
 use camino::Utf8PathBuf;
-use dotgen_analysis::codes::is_environment;
-use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::host::UnitResult;
 use dotgen_analysis::model::{CodelRef, Name};
 use dotgen_analysis::source_map::{Location, Locations};
@@ -50,10 +48,7 @@ impl Reliability {
     /// The reliable part of a unit.
     pub fn of(unit: &UnitResult) -> Reliability {
         let mut trust = Reliability { lacks_files: unit.lacks_files(), ..Reliability::default() };
-        let errors = unit.diagnostics.iter();
-        let errors =
-            errors.filter(|error| error.severity == Severity::Error && !is_environment(error.code));
-        let faults: Vec<Fault<'_>> = errors
+        let faults: Vec<Fault<'_>> = (unit.errors_in_text())
             .map(|error| Fault {
                 path: &error.path,
                 start: error.range.start,

@@ -52,6 +52,12 @@ impl Repairs<'_> {
                 format!("Write a stub of `{}` in {file}", component.codel(*at).name)
             }
             Repair::UpdateSignature { name, .. } => format!("Update the signature of `{name}`"),
+            Repair::AdaptParameters { at, .. } => {
+                format!(
+                    "Give codel `{0}` the parameters of its function",
+                    component.codel(*at).name
+                )
+            }
             Repair::RefreshComment { at, .. } => {
                 format!("Refresh the comment of `{}`", component.codel(*at).name)
             }
@@ -97,6 +103,10 @@ impl Repairs<'_> {
             Repair::UpdateSignature { name, path, start } => {
                 let (file, function) = self.function(path, *start)?;
                 self.update_signature(name, file, function)
+            }
+            Repair::AdaptParameters { at, path, start } => {
+                let (_, function) = self.function(path, *start)?;
+                self.adapt_parameters(*at, function)
             }
             Repair::RefreshComment { at, path, start } => self.refresh_comment(*at, path, *start),
             Repair::AddYield { at, state } => self.add_yield(*at, state),

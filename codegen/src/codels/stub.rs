@@ -20,6 +20,8 @@ pub struct StubOptions {
     pub compile_as_cxx: bool,
     /// Text of the comment at the head of new files.
     pub notice: Option<String>,
+    /// Indentation of bodies; that of the skeleton if `None`.
+    pub indentation: Option<String>,
 }
 
 /// A file that does not exist yet.
@@ -263,10 +265,11 @@ impl<'a> Stubs<'a> {
         let codel = self.expected.component().codel(at);
         let mapper = self.expected.mapper();
         let mut out = mapper.prototype(self.expected.component, codel, "\n")?;
-        out += "\n{\n  /* skeleton sample: insert your code */\n";
+        let indentation = self.options.indentation.as_deref().unwrap_or("  ");
+        out += &format!("\n{{\n{indentation}/* skeleton sample: insert your code */\n");
         if self.options.use_parameters {
             for name in self.parameter_names(&codel.params) {
-                out += &format!("  (void){name};\n");
+                out += &format!("{indentation}(void){name};\n");
             }
         }
         let event = match codel.kind {
@@ -274,7 +277,7 @@ impl<'a> Stubs<'a> {
             CodelKind::Simple | CodelKind::Validate => None,
         };
         let event = event.unwrap_or_else(|| self.expected.ok().into());
-        out += &format!("  /* skeleton sample */ return {event};\n}}\n");
+        out += &format!("{indentation}/* skeleton sample */ return {event};\n}}\n");
         Ok(out)
     }
 

@@ -349,7 +349,9 @@ impl Output {
                 return Ok(());
             }
         }
-        if exists && self.modes.is_on("merge-if-change") {
+        let reviewed = self.confined.as_ref().is_some_and(|confined| confined.reviewed);
+        let merges = self.modes.is_on("merge-if-change");
+        if exists && (merges || (reviewed && !self.modes.is_on("overwrite"))) {
             say(env, format!("merging {shown}"));
             if !self.merge(shown, path, text, env)? {
                 return Err(Failure::Error(format!("stop: could not merge changes in {shown}")));

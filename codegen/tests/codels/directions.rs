@@ -7,7 +7,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_codegen::codels::command::{Project, SyncOptions, sync};
 use dotgen_codegen::codels::drift::Repair;
 use dotgen_codegen::codels::edit::apply;
-use dotgen_codegen::codels::files::{Files, FilesConfig, ModificationTime};
+use dotgen_codegen::codels::files::{Files, FilesConfig, ModificationTime, Sources};
 use dotgen_codegen::codels::repair::Repairs;
 use dotgen_codegen::codels::stub::StubOptions;
 
@@ -259,4 +259,99 @@ fn lists_are_extended_as_they_are_laid_out() {
         all[0][0].1,
         throws.replace("e_more;\n    codel", "e_more,\n      e_two;\n    codel")
     );
+}
+
+/// Returns the parameters that the second repair of a prototype writes, and the text of the finding.
+fn adapted(parameters: &str, function: &str) -> (Option<String>, String) {
+    let specification = format!(
+        "typedef double metres;\ncomponent c {{\n  ids {{ double v; double w; long n; }};\n  port in metres p;\n  \
+         task t {{\n    codel<start> f({parameters}) yield ether;\n  }};\n}};\n"
+    );
+    let code = format!("genom_event f({function}) {{ return c_ether; }}\n");
+    let fixture = Fixture::new(&specification, &[("c_t_codels.c", &code)]);
+    let files = Dated { files: &fixture.files, last: "" };
+    let repairs = Repairs {
+        expected: &fixture.expected(),
+        sources: &fixture.sources,
+        locations: &*fixture.unit.locations,
+        text: &files,
+        stubs: &StubOptions::default(),
+    };
+    let found = fixture.check();
+    let [drift] = found.as_slice() else {
+        panic!("{found:?}");
+    };
+    let place = drift.source.as_ref().expect("the function");
+    let edit = drift.repairs.get(1).and_then(|repair| repairs.edit(repair));
+    let after = edit.map(|edit| apply(&specification, &edit.changed[Utf8Path::new("/c.gen")]));
+    let list = after.map(|text| {
+        let (_, rest) = text.split_once("f(").expect("the codel");
+        rest.split_once(')').expect("its end").0.to_owned()
+    });
+    (list, code[place.range.clone()].to_owned())
+}
+
+#[test]
+fn a_codel_gets_the_parameters_of_its_function() {
+    let text = |text: &str| Some(text.to_owned());
+    let own = "const genom_context self";
+    // Added, removed, changed, and in another order.
+    let found = adapted("in v", &format!("double v, double *w, {own}"));
+    assert_eq!(found, (text("in v, ids inout w"), "double *w".to_owned()));
+    let found = adapted("in v, in w", &format!("double w, {own}"));
+    assert_eq!(found, (text("in w"), "f".to_owned()));
+    let found = adapted("in v,\n      out w", &format!("double v, double w, {own}"));
+    assert_eq!(found, (text("in v,\n      ids in w"), "double w".to_owned()));
+    let found = adapted("ids in v, port in p", &format!("const c_p *p, double v, {own}"));
+    assert_eq!(found, (text("port in p, ids in v"), "f".to_owned()));
+    // An unknown parameter, and a comment that would be lost.
+    assert_eq!(adapted("in v", &format!("double v, float other, {own}")).0, None);
+    assert_eq!(adapted("in v, /* half */ in w", &format!("double w, {own}")).0, None);
+}
+
+/// The lines of the stub of `g` in a folder with these texts.
+fn stub_in(texts: &[(&str, &str)]) -> String {
+    let specification = "component c {\n  task t {\n    codel<start> f() yield ether;\n    codel<stop> g() yield ether;\n  };\n};\n";
+    let mut fixture = Fixture::new(specification, &[("c_t_codels.c", "")]);
+    let mut files = fixture.files.0.clone();
+    for (path, text) in texts {
+        files.insert((*path).into(), (*text).to_owned());
+    }
+    fixture.files = Arc::new(Memory(files));
+    fixture.sources = Sources::load("/c.gen".into(), &FilesConfig::default(), &*fixture.files);
+    let repairs = Repairs {
+        expected: &fixture.expected(),
+        sources: &fixture.sources,
+        locations: &*fixture.unit.locations,
+        text: &*fixture.files,
+        stubs: &StubOptions::default(),
+    };
+    let missing = repairs.missing();
+    let edit = repairs.stub(&missing[missing.len() - 1..]).expect("a stub");
+    let text = edit.changed.values().flatten().map(|change| change.text.clone());
+    text.chain(edit.created.into_values()).collect::<String>()
+}
+
+#[test]
+fn stubs_are_indented_as_the_sources_are() {
+    let returns =
+        |indentation: &str| format!("\n{indentation}/* skeleton sample */ return c_ether;\n}}");
+    let written = |body: &str| {
+        format!("genom_event f(const genom_context self)\n{{\n{body}return c_ether;\n}}\n")
+    };
+    let found = |texts: &[(&str, &str)], indentation: &str| {
+        let text = stub_in(texts);
+        assert!(text.contains(&returns(indentation)), "{text}");
+    };
+    found(&[("/codels/c_t_codels.c", &written("    "))], "    ");
+    found(&[("/codels/c_t_codels.c", &written("\t"))], "\t");
+    found(&[("/codels/other.c", "int h(void)\n{\n   return 1;\n}\n")], "   ");
+    // Samples do not count.
+    let sample = written("  /* skeleton sample: insert your code */\n  /* skeleton sample */ ");
+    let sample = ("/codels/c_t_codels.c", sample.as_str());
+    found(&[sample], "  ");
+    found(&[sample, ("/.clang-format", "BasedOnStyle: LLVM\nIndentWidth: 4\n")], "    ");
+    found(&[sample, ("/codels/.clang-format", "UseTab: Always\n")], "\t");
+    found(&[sample, ("/.editorconfig", "root = true\n[*.c]\nindent_size = 3\n")], "   ");
+    found(&[sample, ("/.editorconfig", "root = true\n[*.py]\nindent_size = 3\n")], "  ");
 }

@@ -170,7 +170,8 @@ fn compiles(name: &str, spec: &Spec, failures: &mut Vec<String>) -> usize {
                 continue;
             };
             let expected = Expected::new(spec, component);
-            let options = StubOptions { use_parameters: true, compile_as_cxx, notice: None };
+            let options =
+                StubOptions { use_parameters: true, compile_as_cxx, ..StubOptions::default() };
             let (_guard, folder) = temporary();
             let headers = headers(&expected, &folder, &folder.join("codels"), &[]);
             let stubs = Stubs::new(&expected, &options).all_files();

@@ -99,7 +99,7 @@ pub(crate) fn codels(expected: &Expected<'_>) -> BTreeMap<Utf8PathBuf, String> {
     let options = StubOptions {
         use_parameters: true,
         compile_as_cxx: expected.language == Language::Cxx,
-        notice: None,
+        ..StubOptions::default()
     };
     let stubs = Stubs::new(expected, &options);
     let Ok(files) = stubs.all_files() else {

@@ -157,6 +157,16 @@ fn a_parameter_that_is_gone_and_used_is_named() {
 }
 
 #[test]
+fn a_discarded_parameter_that_is_gone_leaves_no_statement() {
+    let (text, report) = synced(
+        "in n",
+        "genom_event f(double v, int n, const genom_context self)\n{\n  (void)v; /* why */\n  (void)v;\n  (void)n;\n  return c_ether;\n}\n",
+    );
+    assert!(text.contains("{\n   /* why */\n  (void)n;\n  return"), "{text}");
+    assert!(report.notes.is_empty(), "{:?}", report.notes);
+}
+
+#[test]
 fn events_and_exceptions_of_helpers_count() {
     let specification = "component c {\n  exception bad;\n  task t {\n    codel<start> f() yield ether;\n    \
          codel<stop> h() yield more;\n    codel<more> g() yield ether;\n  };\n};\n";

@@ -14,4 +14,7 @@ return {
   cmd = { 'dotgen', 'lsp' },
   filetypes = { 'genom3', 'genom3_scenario' },
   root_markers = { 'dotgen.toml', '.git' },
+  before_init = function(params, config)
+    params.initializationOptions = { trusted = _G.dotgen_trusted(config.root_dir or vim.fn.getcwd()) }
+  end,
 }

@@ -1,5 +1,20 @@
 vim.filetype.add({ extension = { gen = 'genom3', scn = 'genom3_scenario' } })
 
+-- True if the server may run programs for a folder. Asks once; the answers are in the folder of data.
+function _G.dotgen_trusted(folder)
+  local path = vim.fn.stdpath('data') .. '/dotgen-trust.json'
+  local read, lines = pcall(vim.fn.readfile, path)
+  local parsed, answers = pcall(vim.fn.json_decode, read and lines or '{}')
+  if not parsed or type(answers) ~= 'table' then answers = {} end
+  if answers[folder] == nil and #vim.api.nvim_list_uis() > 0 then
+    local question = 'Let dotgen run pkg-config and templates of ' .. folder .. '?'
+    answers[folder] = vim.fn.confirm(question, '&Yes\n&No', 2) == 1
+    vim.fn.mkdir(vim.fn.stdpath('data'), 'p')
+    vim.fn.writefile({ vim.fn.json_encode(answers) }, path)
+  end
+  return answers[folder] == true
+end
+
 -- Executes a command of the server; the result goes to `use`.
 local function execute(command, argument, use)
   local request = { command = command, arguments = { argument } }

@@ -27,6 +27,7 @@ const CHECKS = [
   'leadsto',
   'eventually',
   'always',
+  'never',
   'reachable',
   'deadlock',
 ];
@@ -50,6 +51,7 @@ module.exports = grammar({
     _item: ($) =>
       choice(
         $.use,
+        $.times_file,
         $.unit_setting,
         $.cores,
         $.affinity,
@@ -64,6 +66,7 @@ module.exports = grammar({
       ),
 
     use: ($) => seq('use', field('file', $.string), ';'),
+    times_file: ($) => seq('times', field('file', $.string), ';'),
     unit_setting: ($) => seq('unit', field('value', $.number), field('unit', $.unit), ';'),
     cores: ($) => seq('cores', field('count', choice($.number, alias('free', $.choice_word))), ';'),
     affinity: ($) => seq('affinity', field('task', $.path), field('core', $.number), ';'),
@@ -159,7 +162,7 @@ module.exports = grammar({
             optional($.bound),
           ),
           seq(field('kind', 'leadsto'), field('trigger', $._predicate), '=>', field('response', $._predicate)),
-          seq(field('kind', choice('eventually', 'always', 'reachable')), field('predicate', $._predicate)),
+          seq(field('kind', choice('eventually', 'always', 'never', 'reachable')), field('predicate', $._formula)),
           field('kind', 'deadlock'),
         ),
         ';',
@@ -167,12 +170,14 @@ module.exports = grammar({
     _check_name: ($) => choice($.identifier, ...CHECKS.map((word) => alias(word, $.identifier))),
     bound: ($) => seq('<=', field('value', $.number), field('unit', $.unit)),
 
+    _formula: ($) => choice($._predicate, $.implies),
+    implies: ($) => seq(field('left', $._predicate), '=>', field('right', $._formula)),
     _predicate: ($) => choice($.or, $.and, $.not, $.leave, $.parentheses, $.path),
     or: ($) => prec.left(1, seq(field('left', $._predicate), 'or', field('right', $._predicate))),
     and: ($) => prec.left(2, seq(field('left', $._predicate), 'and', field('right', $._predicate))),
     not: ($) => prec(3, seq('not', field('operand', $._predicate))),
     leave: ($) => seq('leave', field('of', $.path)),
-    parentheses: ($) => seq('(', $._predicate, ')'),
+    parentheses: ($) => seq('(', $._formula, ')'),
 
     // ---- Values and names -----------------------------------------------------------------------------------------
 

@@ -93,7 +93,7 @@ impl Requests {
         let input: Option<Value> = payload
             .map(|payload| serde_json::from_reader(payload.reader()))
             .transpose()
-            .map_err(|error| format!("this is no JSON: {error}"))?;
+            .map_err(|error| format!("the request is not JSON: {error}"))?;
         let (wanted, inputs) = inputs_of(known, index, input.as_ref())?;
         let mut pending = self.pending();
         if pending.len() >= MAX_WAITING || self.queued.load(Ordering::Relaxed) >= QUEUED {

@@ -18,7 +18,8 @@ pub struct LoadedSettings {
 }
 
 /// Settings under the same prefix that are for the editor extension itself.
-const CLIENT_ONLY: [&str; 4] = ["server", "trace", "files", "trusted"];
+pub(super) const CLIENT_ONLY: [&str; 6] =
+    ["server", "trace", "files", "run", "diagrams", "trusted"];
 
 /// Reads the text of a `dotgen.toml`.
 pub fn from_toml(text: &str) -> LoadedSettings {

@@ -102,6 +102,9 @@ fn interface(
     reversed: bool,
 ) -> Result<NewInterface, String> {
     let unit = host.analysis().root_unit(path).map_err(|error| error.to_string())?;
+    if let Some(error) = unit.errors_in_text().next() {
+        return Err(format!("{path} has an error: {}", error.message));
+    }
     let all = &unit.spec.components;
     let found = all.iter().find(|component| is_interface(component) && component.name == name);
     let Some(found) = found else {

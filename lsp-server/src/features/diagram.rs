@@ -1,11 +1,12 @@
 //! `dotgen/diagram`, the picture in hovers, and the commands that return a picture as text.
 
+mod system;
+
 use std::cell::RefCell;
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use base64::Engine;
 use camino::Utf8PathBuf;
 use dotgen_analysis::host::{Cancellable, UnitResult};
 use dotgen_analysis::ide::{DocumentSymbol, FilePosition, SymbolKind};
@@ -16,6 +17,7 @@ use dotgen_timing::scn::ast::CheckKind;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use self::system::WorkspaceSystem;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_views::pictures::{self, Form, Kind, PictureRequest, SystemContext};
@@ -29,6 +31,9 @@ pub(crate) struct DiagramParams {
     /// A place: the declaration around it is drawn, and takes precedence over the names in the wish.
     #[serde(default)]
     pub(crate) position: Option<Position>,
+    /// Only if the place names a task, activity or state: its machine, with the state as the way.
+    #[serde(default)]
+    pub(crate) named: bool,
     /// The subject of the picture.
     #[serde(flatten)]
     pub(crate) wish: PictureRequest,
@@ -87,8 +92,13 @@ pub(crate) fn handle(
         && let Some(at) = snapshot.cursor(subject, position)?
     {
         around(&symbols, at.offset, &mut wish);
+        if params.named && !named(snapshot, &at, &mut wish)? {
+            return Ok(None);
+        }
     }
-    let key = format!("{} {:?} {:?} {:?}", subject.path, wish, params.theme, params.format);
+    // A machine with another mark is the same machine.
+    let machine = PictureRequest { way: Vec::new(), ..wish.clone() };
+    let key = format!("{} {:?} {:?} {:?}", subject.path, machine, params.theme, params.format);
     let broken = syntax_error(snapshot, subject)?;
     if let Some(reason) = &broken
         && let Some(mut last) = question.last.get(&key)
@@ -97,15 +107,7 @@ pub(crate) fn handle(
         last["version"] = json!(subject.version);
         return Ok(Some(last));
     }
-    let units = units(snapshot, subject, &wish)?;
-    let around = SystemContext {
-        connections: snapshot.config.connections.clone(),
-        chains: if wish.kind == Kind::System && wish.chains {
-            chains(snapshot, &units)
-        } else {
-            Vec::new()
-        },
-    };
+    let (units, around) = content(snapshot, subject, &wish)?;
     let drawn = pictures::draw(&units, &around, &wish);
     let Some(picture) = drawn.first() else {
         return Ok(None);
@@ -126,6 +128,7 @@ pub(crate) fn handle(
         "title": picture.graph.title,
         "component": picture.component,
         "owner": picture.owner,
+        "way": wish.way,
         "notes": picture.graph.notes,
         "picture": picture.text(params.format, params.theme),
         "width": picture.layout.width,
@@ -179,24 +182,27 @@ pub(crate) fn text(
     Ok(answer.map(|mut answer| answer["picture"].take()))
 }
 
-/// The units that a picture is drawn from.
-fn units(
+/// The units that a picture is drawn from, and the facts about them.
+fn content(
     snapshot: &Snapshot,
     subject: &Subject,
     wish: &PictureRequest,
-) -> Cancellable<Vec<UnitResult>> {
+) -> Cancellable<(Vec<UnitResult>, SystemContext)> {
     if wish.kind != Kind::System {
-        return Ok(vec![snapshot.analysis.unit(&subject.path)?]);
+        return Ok((vec![snapshot.analysis.unit(&subject.path)?], SystemContext::default()));
     }
-    snapshot.system_units(&subject.path)
+    let system = WorkspaceSystem::new(snapshot, &subject.path)?;
+    let chains = if wish.chains { chains(snapshot, &system) } else { Vec::new() };
+    Ok((system.units, SystemContext { connections: system.connections, chains }))
 }
 
 /// The cause-effect chains in the scenarios of these specifications, with their results.
-fn chains(snapshot: &Snapshot, units: &[UnitResult]) -> Vec<Chain> {
+fn chains(snapshot: &Snapshot, system: &WorkspaceSystem) -> Vec<Chain> {
     let mut out: Vec<Chain> = Vec::new();
-    for entry in snapshot.verification.values() {
+    for (scenario, entry) in &*snapshot.verification {
         let problem = entry.places();
-        let of_system = |path: &Utf8PathBuf| units.iter().any(|unit| unit.files.contains(path));
+        let of_system =
+            |path: &Utf8PathBuf| system.units.iter().any(|unit| unit.files.contains(path));
         let mut used = problem.units.iter().filter_map(|unit| unit.files.first());
         if !used.any(of_system) {
             continue;
@@ -207,7 +213,9 @@ fn chains(snapshot: &Snapshot, units: &[UnitResult]) -> Vec<Chain> {
             };
             let through = [&path.from].into_iter().chain(&path.via).chain([&path.to]);
             let ports = through.filter_map(|via| match &via.names[..] {
-                [component, port] => Some((component.value.clone(), port.value.clone())),
+                [component, port] => {
+                    Some((system.name(scenario, &component.value), port.value.clone()))
+                }
                 _ => None,
             });
             let says = match entry.known().and_then(|answer| said(answer.view(), &check.range)) {
@@ -299,43 +307,19 @@ fn syntax_error(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Option<St
     Ok(Some(format!("line {line}: {}", first.message)))
 }
 
-/// The picture of the declaration under the cursor, as Markdown, for clients that show images in hovers.
-pub(crate) fn hover_image(
-    snapshot: &Snapshot,
-    subject: &Subject,
-    at: &FilePosition,
-) -> Cancellable<Option<String>> {
-    /// The approximate height of a hover. VS Code cuts Markdown at 100,000 characters.
-    const HEIGHT: f64 = 220.0;
-    const LONGEST: usize = 60_000;
-    if !snapshot.client.hover_images {
-        return Ok(None);
-    }
+/// Sets the names in a wish to the task, activity or state that is named at a place. Returns false if none
+/// is.
+fn named(snapshot: &Snapshot, at: &FilePosition, wish: &mut PictureRequest) -> Cancellable<bool> {
     let Some(targets) = snapshot.analysis.goto_definition(at)? else {
-        return Ok(None);
+        return Ok(false);
     };
-    let mut wish = PictureRequest::default();
-    let symbols = snapshot.analysis.document_symbols(&subject.path)?;
-    around(&symbols, at.offset, &mut wish);
-    let fits = targets.info.iter().any(|target| match target.kind {
-        SymbolKind::State => true,
-        SymbolKind::Task | SymbolKind::Activity => {
-            wish.owner = Some(target.name.to_string());
-            true
+    for target in &targets.info {
+        match target.kind {
+            SymbolKind::State => wish.way = vec![target.name.to_string()],
+            SymbolKind::Task | SymbolKind::Activity => wish.owner = Some(target.name.to_string()),
+            _ => continue,
         }
-        _ => false,
-    });
-    if !fits || wish.owner.is_none() {
-        return Ok(None);
+        return Ok(wish.owner.is_some());
     }
-    let units = units(snapshot, subject, &wish)?;
-    let drawn = pictures::draw(&units, &SystemContext::default(), &wish);
-    let Some(picture) = drawn.first() else {
-        return Ok(None);
-    };
-    let svg = picture.text(Form::Svg, Theme::Neutral);
-    let data = base64::engine::general_purpose::STANDARD.encode(svg);
-    let height = picture.layout.height.min(HEIGHT).round();
-    Ok((data.len() < LONGEST)
-        .then(|| format!("![state machine](data:image/svg+xml;base64,{data}|height={height})")))
+    Ok(false)
 }

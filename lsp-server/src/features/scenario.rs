@@ -7,7 +7,7 @@ mod tokens;
 use std::ops::Range;
 
 use camino::Utf8Path;
-use dotgen_analysis::diagnostic::Diagnostic;
+use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::FilePosition;
 use dotgen_analysis::language;
@@ -103,13 +103,17 @@ fn diagnostics(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnost
     let problem = read(snapshot, path)?;
     let (mut out, mut elsewhere): (Vec<Diagnostic>, Vec<Diagnostic>) =
         (problem.errors.iter().cloned()).partition(|error| error.path == path);
+    elsewhere.extend(problem.warnings.iter().cloned());
     // Errors of a specification are reported in that specification. Here one diagnostic says that there are
     // some.
     elsewhere.dedup_by(|a, b| a.path == b.path);
     for mut diagnostic in elsewhere {
         let file = diagnostic.path.file_name().unwrap_or("a specification");
-        diagnostic.message = format!("`{file}` has errors: {}", diagnostic.message);
-        let used = problem::used(&problem.scenario, path);
+        diagnostic.message = match diagnostic.severity {
+            Severity::Error => format!("`{file}` has errors: {}", diagnostic.message),
+            _ => format!("`{file}`: {}", diagnostic.message),
+        };
+        let used = problem::named(&problem.scenario, path);
         let used = used.into_iter().find(|used| used.path == diagnostic.path);
         diagnostic.range = used.map_or(problem.scenario.name_range.clone(), |file| file.range);
         diagnostic.path = path.to_owned();
@@ -117,7 +121,7 @@ fn diagnostics(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnost
         diagnostic.related.clear();
         out.push(diagnostic);
     }
-    if out.is_empty() {
+    if out.iter().all(|diagnostic| diagnostic.severity != Severity::Error) {
         // Names are checked even if verification is off.
         let known = super::verification::in_scenario(snapshot, path);
         let specs = problem.specs();
@@ -142,7 +146,7 @@ fn links(
         return Ok(None);
     };
     let problem = read(snapshot, &subject.path)?;
-    let files = problem::used(&problem.scenario, &subject.path);
+    let files = problem::named(&problem.scenario, &subject.path);
     let links = files.into_iter().map(|file| DocumentLink {
         // Inside the quotes.
         range: lines.range(&(file.range.start + 1..file.range.end - 1)),
@@ -195,7 +199,7 @@ fn definition(
     let Some(cursor) = Cursor::new(snapshot, subject, position)? else {
         return Ok(None);
     };
-    let files = problem::used(&cursor.problem.scenario, &subject.path);
+    let files = problem::named(&cursor.problem.scenario, &subject.path);
     if let Some(file) = files.into_iter().find(|file| cursor.touches(&file.range)) {
         return Ok(snapshot.location(&file.path, &(0..0))?.map(|location| vec![location].into()));
     }

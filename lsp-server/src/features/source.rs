@@ -4,13 +4,15 @@ use dotgen_analysis::host::{Analysis, Cancellable};
 use dotgen_analysis::ide::FilePosition;
 use dotgen_analysis::source_map::Locations;
 use dotgen_codegen::codels::origin::origin;
+use dotgen_codegen::codels::returns::{ReturnValue, return_values, written_value};
 
 use super::language::LanguageFeatures;
 use crate::features::codels::{self, actions, lenses};
 use crate::features::specification::{goto, hover, references};
 use crate::protocol::types::{
+    CompletionItem, CompletionItemKind, CompletionParams, CompletionResponse, CompletionTextEdit,
     GotoDefinitionParams, GotoDefinitionResponse, Hover, HoverParams, Location, Position, Range,
-    ReferenceParams,
+    ReferenceParams, TextEdit,
 };
 use crate::workspace::snapshot::{Snapshot, Subject};
 
@@ -21,6 +23,7 @@ pub(crate) const FEATURES: LanguageFeatures = LanguageFeatures {
     definition,
     hover,
     references: mentions,
+    completion,
     lenses: lenses::handle,
     actions: actions::handle,
     ..LanguageFeatures::NONE
@@ -128,4 +131,44 @@ pub(crate) fn mentions(
         }
     }
     Ok(Some(locations).filter(|location| !location.is_empty()))
+}
+
+/// `textDocument/completion` in a source: after `return`, the values that the codel may return.
+fn completion(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &CompletionParams,
+) -> Cancellable<Option<CompletionResponse>> {
+    let position = params.text_document_position.position;
+    let (Some(at), Some(lines)) =
+        (snapshot.cursor(subject, position)?, snapshot.lines(&subject.path)?)
+    else {
+        return Ok(None);
+    };
+    let Some(written) = written_value(lines.text(), at.offset) else {
+        return Ok(None);
+    };
+    let mut values: Vec<ReturnValue> = Vec::new();
+    for compared in codels::around(snapshot, &at.path)? {
+        for folder in compared.folders() {
+            for expected in folder.expected() {
+                for value in return_values(&expected, &folder.sources, &at.path, at.offset) {
+                    if !values.contains(&value) {
+                        values.push(value);
+                    }
+                }
+            }
+        }
+    }
+    let range = lines.range(&written);
+    let items = (0..).zip(values).map(|(order, value): (u32, ReturnValue)| CompletionItem {
+        label: value.text.clone(),
+        kind: Some(CompletionItemKind::ENUM_MEMBER),
+        detail: Some(value.detail),
+        // Before the proposals of the server for C and C++.
+        sort_text: Some(format!("!{order:04}")),
+        text_edit: Some(CompletionTextEdit::Edit(TextEdit { range, new_text: value.text })),
+        ..CompletionItem::default()
+    });
+    Ok(Some(CompletionResponse::Array(items.collect())))
 }

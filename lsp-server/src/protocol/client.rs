@@ -37,8 +37,6 @@ pub struct ClientCaps {
     pub label_offsets: bool,
     /// Answers `dotgen/documentText` (`initializationOptions.documentText`).
     pub document_text: bool,
-    /// Images in hovers, with a size after `|` (`initializationOptions.hoverImages`).
-    pub hover_images: bool,
     /// Status of verifications (`initializationOptions.verificationStatus`).
     pub verification_status: bool,
     /// Runs components: executes `dotgen.run` and `dotgen.simulate` (`initializationOptions.runs`).
@@ -138,7 +136,6 @@ impl ClientCaps {
             ),
             pull_sources: flag(raw, "/initializationOptions/pullSources"),
             document_text: flag(raw, "/initializationOptions/documentText"),
-            hover_images: flag(raw, "/initializationOptions/hoverImages"),
             verification_status: flag(raw, "/initializationOptions/verificationStatus"),
             runs: flag(raw, "/initializationOptions/runs"),
             code_action_literals: text

@@ -137,8 +137,8 @@ pub(crate) fn server_capabilities(client: &ClientCaps) -> ServerCapabilities {
 }
 
 /// Extensions of the files whose changes on disk are watched.
-const WATCHED_EXTENSIONS: [&str; 12] =
-    ["gen", "idl", "scn", "pc", "c", "cc", "cpp", "cxx", "h", "hh", "hpp", "hxx"];
+const WATCHED_EXTENSIONS: [&str; 13] =
+    ["gen", "idl", "scn", "wcet", "pc", "c", "cc", "cpp", "cxx", "h", "hh", "hpp", "hxx"];
 
 /// Names of watched files with other extensions.
 const WATCHED_NAMES: [&str; 3] = ["dotgen.toml", "Makefile.am", "template.tcl"];
@@ -194,7 +194,8 @@ const NOTIFICATION_REGISTRATIONS: [DocumentRegistration; 3] = [
 ];
 
 /// Requests about sources of codels.
-const REQUEST_REGISTRATIONS: [DocumentRegistration; 5] = [
+const REQUEST_REGISTRATIONS: [DocumentRegistration; 6] = [
+    ("dotgen-codels-completion", "textDocument/completion"),
     ("dotgen-codels-action", "textDocument/codeAction"),
     ("dotgen-codels-lens", "textDocument/codeLens"),
     ("dotgen-codels-definition", "textDocument/definition"),
@@ -270,6 +271,10 @@ impl ForeignDocuments {
                 "textDocument/codeAction" => {
                     options["codeActionKinds"] = json!(["quickfix", actions::SYNC]);
                     options["resolveProvider"] = json!(true);
+                }
+                "textDocument/completion" => {
+                    options["resolveProvider"] = json!(false);
+                    options["triggerCharacters"] = json!([" "]);
                 }
                 "textDocument/codeLens" => options["resolveProvider"] = json!(false),
                 "textDocument/definition" | "textDocument/hover" | "textDocument/references" => {}

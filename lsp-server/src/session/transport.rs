@@ -134,7 +134,7 @@ impl Session {
                                 if let Some(at) = frame::header_at_end(&body) {
                                     frames.unread(&body[at..]);
                                 }
-                                let message = format!("this message is no JSON: {error}");
+                                let message = format!("this message is not valid JSON: {error}");
                                 self.refuse(&Value::Null, code::PARSE_ERROR, &message);
                             }
                         }

@@ -263,12 +263,16 @@ async fn a_finding_is_allowed_by_a_comment_above_its_declaration() {
     params["range"] = json!({ "start": place, "end": place });
     params["context"] = json!({ "diagnostics": [], "only": ["quickfix"] });
     let actions = client.ok("textDocument/codeAction", params).await;
-    let last = actions.as_array().and_then(|actions| actions.last()).expect("an action");
-    assert_eq!(last["title"], "Allow `fsm/missing-stop` here, with a comment");
-    assert_eq!(last["isPreferred"], false);
-    let edit = &last["edit"]["changes"][&uri][0];
+    let actions = actions.as_array().expect("actions");
+    let [here, project] = &actions[actions.len() - 2..] else { panic!("{actions:?}") };
+    assert_eq!(here["title"], "Allow `fsm/missing-stop` here, with a comment");
+    assert_eq!(here["isPreferred"], false);
+    let edit = &here["edit"]["changes"][&uri][0];
     assert_eq!(edit["newText"], "  // dotgen: allow(fsm/missing-stop)\n");
     assert_eq!(edit["range"]["start"], json!({ "line": 3, "character": 0 }));
+    assert_eq!(project["title"], "Allow `fsm/missing-stop` in this workspace, in dotgen.toml");
+    let edit = &project["edit"]["changes"][folder.uri("dotgen.toml")][0];
+    assert_eq!(edit["newText"], "[severity]\n\"fsm/missing-stop\" = \"off\"\n");
     client.finish().await;
 }
 

@@ -138,17 +138,23 @@ async fn files_are_offered_then_remembered_and_made_again() {
     folder.write("lamp.txt", "lamp\nmine\n");
     client.notify("workspace/didChangeWatchedFiles", folder.event("dotgen.toml", 2)).await;
     let again = json!({ "uri": uri, "apply": false });
-    let refused = client.ok(execute, command("dotgen.regenerate", again.clone())).await;
-    assert_eq!(refused["status"], "failed");
-    let messages = refused["messages"].as_str().unwrap();
+    // Nobody sees the text before it is written.
+    let unseen = client.ok(execute, command("dotgen.regenerate", json!({ "uri": uri }))).await;
+    assert_eq!(unseen["status"], "failed");
+    let messages = unseen["messages"].as_str().unwrap();
     assert!(messages.contains("exists and would be overwritten"), "{messages}");
-    // Merging works without a terminal: a change on both sides becomes a conflict.
-    let merging = json!({ "uri": uri, "template": "names", "arguments": ["-i"], "apply": false });
-    let merged = client.ok(execute, command("dotgen.generate", merging)).await;
+    client.notification("window/showMessage").await;
+    // Without a merge mode, and without a terminal: a change on both sides becomes a conflict.
+    let merged = client.ok(execute, command("dotgen.regenerate", again.clone())).await;
+    assert_eq!(merged["status"], "preview", "{merged}");
     assert_eq!(
         merged["files"][0]["after"],
-        "lamp\n<<<<<<< user version\nmine\n=======\nFalse\n>>>>>>> template version\n"
+        "lamp\n<<<<<<< user version\nmine\n=======\nTrue\n>>>>>>> template version\n"
     );
+    let overwriting =
+        json!({ "uri": uri, "template": "names", "arguments": ["-f"], "apply": false });
+    let overwritten = client.ok(execute, command("dotgen.generate", overwriting)).await;
+    assert_eq!(overwritten["files"][0]["after"], "lamp\nFalse\n");
     client.finish().await;
 }
 

@@ -234,20 +234,19 @@ async fn pictures_as_text_for_editors_without_webviews() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn hovers_show_the_machine_where_images_can_be_shown() {
-    for shown in [true, false] {
-        let (mut client, _folder, uri) = start(json!({ "hoverImages": shown })).await;
-        let mut params = document(&uri);
-        params["position"] = position("move {");
-        let hover = client.ok("textDocument/hover", params).await;
-        let text = hover["contents"]["value"].as_str().expect("Markdown");
-        assert_eq!(text.contains("](data:image/svg+xml;base64,"), shown);
-        client.finish().await;
+async fn a_place_that_names_a_task_or_a_state_has_its_machine() {
+    let (mut client, _folder, uri) = start(json!({})).await;
+    for (at, way) in [("move {", json!([])), ("up>", json!(["up"])), ("raise(inout", Value::Null)] {
+        let named = json!({ "position": position(at), "named": true });
+        let drawn = draw(&mut client, &uri, named).await;
+        assert_eq!(drawn["way"], way, "{at}");
+        assert_eq!(drawn["owner"], if way.is_null() { Value::Null } else { json!("move") });
     }
+    client.finish().await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_hover_over_a_codel_tells_what_it_is_in_both_languages() {
+async fn a_hover_over_a_codel_tells_what_it_is_in_its_language() {
     let (mut client, _folder, uri) = start(json!({})).await;
     let mut params = document(&uri);
     params["position"] = position("raise(inout");
@@ -260,14 +259,10 @@ async fn a_hover_over_a_codel_tells_what_it_is_in_both_languages() {
 
         * task `move`: called from `init`, `raise`, after a pause
         * at most 2 ms, 20 % of the period of 10 ms
-        * excludes attribute `get` (`height` of the ids)
+        * excludes attribute `get` through `height` of the ids
 
         ```c
         genom_event raise(double *height, const genom_context self);
-        ```
-
-        ```cpp
-        genom::event raise(double &height);
         ```"]]
     .assert_eq(text);
     client.finish().await;
@@ -319,6 +314,48 @@ async fn what_is_open_in_another_folder_belongs_to_the_system() {
         let found = ids(&answer);
         assert!(found.contains(&"lift") && found.contains(&"other"), "{found:?}");
     }
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_folders_of_a_workspace_are_one_system() {
+    const TYPE: &str = "struct s { long x; };\n";
+    let component = |name: &str, ports: &str| {
+        format!("{TYPE}component {name} {{ version \"1\"; lang \"c\"; email \"a@b\"; {ports} }};\n")
+    };
+    let settings = "[connections]\nnav.goal = \"plan.path\"\n";
+    let folder = Folder::new(&[
+        ("rover/nav.gen", &component("nav", "port in s goal;")),
+        ("rover/plan.gen", &component("plan", "port out s path; port out s goal;")),
+        ("rover/dotgen.toml", settings),
+        ("drone/nav.gen", &component("nav", "port in s goal; port out s pose;")),
+        ("drone/log.gen", &component("log", "port in s pose;")),
+    ]);
+    let mut params = folder.params(pulling());
+    let folders = ["rover", "drone"].map(|name| json!({ "uri": folder.uri(name), "name": name }));
+    params["workspaceFolders"] = json!(folders);
+    let mut client = Client::start(params).await;
+    let uri = folder.uri("rover/plan.gen");
+    client.open(&uri, &folder.read("rover/plan.gen")).await;
+    // The files of the workspace are being listed.
+    let mut answer = Value::Null;
+    while answer["title"] != "System of 4 components" {
+        answer = draw(&mut client, &uri, json!({ "kind": "system" })).await;
+    }
+    let edges = answer["edges"].as_array().expect("edges").iter();
+    let mut reads: Vec<&str> = edges
+        .filter_map(|edge| edge["description"].as_str().filter(|text| text.contains(" reads ")))
+        .collect();
+    reads.sort_unstable();
+    assert_eq!(
+        reads,
+        [
+            "log reads nav (drone).pose as pose",
+            // Equal names connect across folders, the settings of a folder its own components.
+            "nav (drone) reads plan.goal as goal",
+            "nav (rover) reads plan.path as goal",
+        ]
+    );
     client.finish().await;
 }
 

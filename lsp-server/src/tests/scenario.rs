@@ -83,7 +83,7 @@ async fn completion_knows_the_place() {
         ("$0", "scenario"),
         (
             "scenario a {\n $0",
-            "use unit semantics cores policy affinity durations duration loop idle ticks turns locks ports \
+            "use times unit semantics cores policy affinity durations duration loop idle ticks turns locks ports \
                 pause exceptions order async aperiodic connect slots client on check",
         ),
         ("scenario a { policy $0", "fifo edf any priority fair"),
@@ -91,12 +91,12 @@ async fn completion_knows_the_place() {
         ("scenario a { use \"$0\"; }", "other.gen pump.gen"),
         (
             "scenario a { use \"pump.gen\"; check $0",
-            "schedulable no-overdue response within reaction age leadsto eventually always reachable \
+            "schedulable no-overdue response within reaction age leadsto eventually always never reachable \
                 deadlock",
         ),
         (
             "scenario a { use \"pump.gen\"; check x: $0 }",
-            "schedulable no-overdue response within reaction age leadsto eventually always reachable \
+            "schedulable no-overdue response within reaction age leadsto eventually always never reachable \
                 deadlock",
         ),
         ("scenario a { use \"pump.gen\"; check schedulable $0; }", "* pump.t"),

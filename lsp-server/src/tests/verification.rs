@@ -305,6 +305,8 @@ async fn answers_are_shown_as_they_are_found() {
     let words = (&said["status"], &said["answered"]);
     assert_eq!(words, (&json!("stale"), &Value::Null));
     assert_eq!(timing(&mut client, &scn).await, [""; 0]);
+    // As many lenses as with answers: the lines of the editor stay.
+    assert_eq!(lenses(&mut client, &scn).await, ["verifying …"; 5]);
     let titles = lenses(&mut client, &gen_uri).await;
     assert!(!titles.contains(&of_lamp), "{titles:?}");
     let answer = client.ok("dotgen/verification", document(&scn)).await;

@@ -16,7 +16,7 @@ use dotgen_analysis::parallel;
 use dotgen_analysis::progress::Progress;
 use rustc_hash::FxHashMap;
 
-use crate::config::Config;
+use crate::config::{Config, FILE_NAME};
 use crate::protocol::client::ClientCaps;
 use crate::protocol::convert::{Lines, uri};
 use crate::protocol::types::{Location, Position, Uri};
@@ -241,6 +241,30 @@ impl Snapshot {
         paths.sort();
         let units = paths.into_iter().map(|path| self.analysis.root_unit(path));
         units.collect()
+    }
+
+    /// The units of the system picture of a file. The files that follow the `dotgen.toml` of their workspace
+    /// folder, or none, are one system in all folders; other files have [`Snapshot::system_units`].
+    pub(crate) fn workspace_units(&self, path: &Utf8Path) -> Cancellable<Vec<UnitResult>> {
+        let follows_folder = |file: &Utf8Path| {
+            let around = self.folders.iter().filter(|folder| file.starts_with(folder));
+            let folder = around.max_by_key(|folder| folder.as_str().len());
+            let project = folder.and_then(|folder| self.config.project(&folder.join(FILE_NAME)));
+            self.config.project(file) == project
+        };
+        let mut units = self.system_units(path)?;
+        if follows_folder(path) {
+            let others = self.roots.iter().filter(|root| {
+                (self.in_workspace(root) || self.open.contains_key(*root)) && follows_folder(root)
+            });
+            for other in others {
+                if units.iter().all(|unit| unit.files.first() != Some(other)) {
+                    units.push(self.analysis.root_unit(other)?);
+                }
+            }
+            units.sort_by(|a, b| a.files.first().cmp(&b.files.first()));
+        }
+        Ok(units)
     }
 
     /// True if a file belongs to the workspace.

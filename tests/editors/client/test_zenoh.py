@@ -125,9 +125,9 @@ def test_services_are_requested_with_json(joined):
     assert is_fine and failed["event"] == "failed"
     assert (failed["exception"], failed["detail"]) == ("::echo::e_bad", {"code": 3})
     for key, payload, why in [
-        ("echo/get_gain", "what is no JSON", "no JSON"),
-        ("echo/get_gain", b"\xff\xfe", "no JSON"),
-        ("echo/get_gain", "[" * 100_000, "no JSON"),
+        ("echo/get_gain", "what is no JSON", "not JSON"),
+        ("echo/get_gain", b"\xff\xfe", "not JSON"),
+        ("echo/get_gain", "[" * 100_000, "not JSON"),
         ("echo/get_gain", " " * (5 << 20), "at most 4 MiB"),
         ("echo/set_gain", '{"gain": {}}', "echo.set_gain"),
         ("*/get_gain", "{}", "request one service"),

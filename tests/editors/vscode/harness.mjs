@@ -13,7 +13,10 @@ const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.mi
 /** Themes, and the class of the workbench in each; the first is that of the scenarios. */
 const THEMES = [['Default Dark Modern', 'vs-dark'], ['Default Light Modern', 'vs'], ['Default High Contrast', 'hc-black']];
 
-const TIMEOUT_MS = Number(process.env.WORKBENCH_TIMEOUT_MS ?? 30_000);
+/** Only a failure takes so long. */
+const TIMEOUT_MS = Number(process.env.WORKBENCH_TIMEOUT_MS ?? 90_000);
+/** After this a key or a click counts as lost, and is repeated: longer than a loaded machine takes, since a second click may take back what the first did. */
+export const LOST_MS = TIMEOUT_MS / 6;
 
 const SETTINGS = {
   'workbench.startupEditor': 'none',
@@ -98,6 +101,7 @@ export async function startServer({ node, codeServer, vsix, others = {} }) {
   await until('the workbench server answers', async () => (await fetch(`${origin}/healthz`)).ok, () => log);
   return {
     user,
+    extensions,
     origin,
     log: () => log,
     async close() {
@@ -115,7 +119,7 @@ export async function startServer({ node, codeServer, vsix, others = {} }) {
  * it, under their names; with `isEmpty` the window has no folder; `settings` are those of the folder.
  */
 export async function openWindow({ browser, server, workspace, isEmpty = false, beside = [], files = {}, settings = {}, shots }) {
-  const { user, origin } = server;
+  const { user, extensions, origin } = server;
   const root = mkdtempSync(join(tmpdir(), 'workspace-'));
   const folder = below(root, 'workspace');
   if (workspace) cpSync(workspace, folder, { recursive: true });
@@ -180,19 +184,19 @@ export async function openWindow({ browser, server, workspace, isEmpty = false, 
       for (let attempt = 0; ; attempt++) {
         await page.keyboard.press(key);
         try {
-          await shown.waitFor({ timeout: 5000 });
+          await shown.waitFor({ timeout: LOST_MS });
           return shown;
         } catch (error) {
           if (attempt === 5) throw error;
         }
       }
     },
-    /** Clicks a lens until `shown` shows: one that is being replaced by the same in the new place does nothing. */
-    async click(lens, shown) {
+    /** Clicks a lens until `shown` shows, or has the state: one that is being replaced by the same in the new place does nothing. */
+    async click(lens, shown, state = 'visible') {
       for (let attempt = 0; ; attempt++) {
         try {
-          await lens.click({ timeout: 5000 });
-          await shown.waitFor({ timeout: 8000 });
+          await lens.click({ timeout: LOST_MS });
+          await shown.waitFor({ state, timeout: LOST_MS });
           return;
         } catch (error) {
           if (attempt === 4) throw error;
@@ -208,7 +212,7 @@ export async function openWindow({ browser, server, workspace, isEmpty = false, 
         try {
           const input = await wb.quick('F1');
           await input.fill('>' + title);
-          await row.waitFor({ timeout: 8000 });
+          await row.waitFor({ timeout: LOST_MS });
           return await row.click();
         } catch (error) {
           if (attempt === 4) throw error;
@@ -259,7 +263,7 @@ export async function openWindow({ browser, server, workspace, isEmpty = false, 
         await page.mouse.move(5, 5);
         await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2, { steps: 3 });
         try {
-          await hover.waitFor({ timeout: 4000 });
+          await hover.waitFor({ timeout: LOST_MS / 2 });
           return hover;
         } catch (error) {
           if (attempt === 5) throw error;
@@ -282,10 +286,10 @@ export async function openWindow({ browser, server, workspace, isEmpty = false, 
       for (let attempt = 0; ; attempt++) {
         await page.keyboard.press('Control+.');
         try {
-          await row.waitFor({ timeout: 4000 });
+          await row.waitFor({ timeout: LOST_MS / 2 });
           await seen();
-          await row.click({ timeout: 4000 });
-          await shown?.waitFor({ timeout: 8000 });
+          await row.click({ timeout: LOST_MS / 2 });
+          await shown?.waitFor({ timeout: LOST_MS });
           return;
         } catch (error) {
           if (attempt === 5) throw error;
@@ -305,7 +309,7 @@ export async function openWindow({ browser, server, workspace, isEmpty = false, 
           try {
             // Its helpers are the same program, started by it with other arguments.
             const words = readFileSync(`/proc/${pid}/cmdline`, 'utf8').split('\0');
-            return readlinkSync(`/proc/${pid}/exe`).startsWith(user + sep) && words[1] === 'lsp' && readlinkSync(`/proc/${pid}/cwd`) === folder;
+            return readlinkSync(`/proc/${pid}/exe`).startsWith(extensions + sep) && words[1] === 'lsp' && readlinkSync(`/proc/${pid}/cwd`) === folder;
           } catch {
             return false; // ended meanwhile, or not ours to look at
           }

@@ -80,6 +80,7 @@ await Promise.all(Array.from({ length: AT_A_TIME }, lane));
 await browser.close();
 for (const server of servers.values()) await (await server.catch(() => undefined))?.close();
 for (const failure of failures) console.error(`\n${failure}`);
+for (const failure of failures) console.log(`failed: ${failure.split('\n', 2).join(': ').slice(0, 300)}`);
 for (const reason of skipped) console.log(`skipped: ${reason}`);
 console.log(`${passed} passed, ${failures.length} failed, ${skipped.length} skipped`);
 process.exit(failures.length === 0 ? 0 : 1);

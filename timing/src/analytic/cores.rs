@@ -2,6 +2,7 @@
 
 use super::Analysis;
 use super::demand::Demand;
+use super::servers::longest_wait;
 use crate::system::loops::can_pause;
 use crate::system::{AutomatonId, Policy, TaskId};
 use typed_index_collections::TiSlice;
@@ -27,11 +28,11 @@ impl Analysis<'_> {
         // grant.
         let (mut kept, mut held_for_ever) = (0, 0);
         // Under FIFO every other task has at most one earlier job.
-        let mut ahead = 0u64;
+        let mut ahead = Vec::new();
         for other in others {
             let work = held[other].filter(|_| !self.may_be_endless(other));
             match work {
-                Some(work) => ahead = ahead.checked_add(work)?,
+                Some(work) => ahead.push(work),
                 None => held_for_ever += 1,
             }
             match work.and_then(|work| self.jobs(other, work, 0)) {
@@ -49,7 +50,7 @@ impl Analysis<'_> {
         let cores = u64::from(cores);
         let left = |taken: u64| cores.checked_sub(taken).filter(|&left| left > 0);
         let busy = left(kept).and_then(|left| demand.longest_busy(left));
-        let queue = left(held_for_ever).map(|left| ahead / left);
+        let queue = left(held_for_ever).and_then(|left| longest_wait(left, ahead));
         match system.platform.policy {
             Policy::Fifo => busy.into_iter().chain(queue).min(),
             Policy::Edf | Policy::Any | Policy::Priority | Policy::Fair => busy,

@@ -3,10 +3,8 @@
 use rustc_hash::FxHashSet;
 use typed_index_collections::TiVec;
 
-use crate::system::{AutomatonId, Client, ClientAction, ServiceId, TaskId, TimedSystem};
-
-/// Number of situations of a client above which all slots are assumed to be in use.
-const MAX_SITUATIONS: usize = 2_000;
+use super::windows::{Situations, UnderWay};
+use crate::system::{AutomatonId, TaskId, TimedSystem};
 
 /// Number of combinations of activities of a task above which all slots are assumed to be in use.
 const COMBINATIONS: usize = 32;
@@ -15,9 +13,15 @@ const COMBINATIONS: usize = 32;
 ///
 /// An activity that has had a turn in a job keeps its slot until the job has ended, so all of these slots are
 /// in use at its end.
-pub(super) fn of_one_job(system: &TimedSystem) -> TiVec<TaskId, Vec<Vec<AutomatonId>>> {
-    let live: Vec<Option<FxHashSet<ActiveInstances>>> =
-        system.clients.iter().map(|client| situations(system, client)).collect();
+pub(super) fn of_one_job(
+    system: &TimedSystem,
+    situations: &[Situations],
+) -> TiVec<TaskId, Vec<Vec<AutomatonId>>> {
+    let live = |situations: &Situations| {
+        let all = situations.as_ref()?.iter();
+        Some(all.map(|situation| situation.1.clone()).collect())
+    };
+    let live: Vec<Option<FxHashSet<UnderWay>>> = situations.iter().map(live).collect();
     let of_task = |task: TaskId| {
         let definition = &system.tasks[task];
         let permanent: Vec<AutomatonId> = definition.permanent.into_iter().collect();
@@ -59,7 +63,7 @@ fn with_slots(
     system: &TimedSystem,
     task: TaskId,
     set: &[AutomatonId],
-    live: &ActiveInstances,
+    live: &UnderWay,
 ) -> Vec<AutomatonId> {
     let mut out = set.to_vec();
     for &(service, _) in live {
@@ -71,48 +75,4 @@ fn with_slots(
     }
     out.sort_unstable();
     out
-}
-
-/// Instances of activities: the service and the trackers that follow it.
-type ActiveInstances = Vec<(ServiceId, Vec<usize>)>;
-
-/// Returns the instances that the requests of a client can have at the same time, one list for each situation
-/// of the client.
-///
-/// Instances whose end is not awaited stay for ever here. Their end would not make another list longer: the
-/// lists already contain as many more instances as would find a slot.
-fn situations(system: &TimedSystem, client: &Client) -> Option<FxHashSet<ActiveInstances>> {
-    let mut seen: FxHashSet<(usize, ActiveInstances)> = FxHashSet::default();
-    let mut stack: Vec<(usize, ActiveInstances)> =
-        client.first.iter().map(|&index| (index, Vec::new())).collect();
-    while let Some((at, live)) = stack.pop() {
-        if !seen.insert((at, live.clone())) {
-            continue;
-        }
-        if seen.len() > MAX_SITUATIONS {
-            return None;
-        }
-        let Some(step) = client.steps.get(at) else {
-            continue;
-        };
-        let mut live = live;
-        match step.action {
-            ClientAction::Send { service, ref trackers, .. } => {
-                for (_, instances) in &mut live {
-                    instances.retain(|instance| !trackers.contains(instance));
-                }
-                let already = live.iter().filter(|entry| entry.0 == service).count();
-                if already < system.services[service].slots.len() {
-                    live.push((service, trackers.clone()));
-                }
-                live.sort_unstable();
-            }
-            ClientAction::AwaitEnded(tracker) | ClientAction::AwaitOutcome(tracker, _) => {
-                live.retain(|pair| !pair.1.contains(&tracker));
-            }
-            ClientAction::AwaitAccepted | ClientAction::AwaitAny | ClientAction::Delay(..) => {}
-        }
-        stack.extend(step.next.iter().map(|&next| (next, live.clone())));
-    }
-    Some(seen.into_iter().map(|names| names.1).collect())
 }

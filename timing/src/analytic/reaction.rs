@@ -4,7 +4,7 @@
 //! A chain leads through codels of permanent activities of periodic tasks. If every cycle of the task
 //! executes the codel, whatever state it resumes, the first execution that begins after some moment reads the
 //! data visible then. Cycles follow each other by at most a period, and each takes at most its length (see
-//! `queue`). So the codel has ended, and its output is visible, a period and a length after that moment. A
+//! `servers`). So the codel has ended, and its output is visible, a period and a length after that moment. A
 //! later codel of the same cycle has ended by then, too. A datum that depends on the first one continues to
 //! do so whatever else is written, because the first arrival ends the measurement. So the times add up (the
 //! bound of A. Davare et al., *Period optimization for hard real-time distributed automotive systems*, DAC
@@ -13,12 +13,11 @@
 //! A moment before the start of a task waits for this start: tasks of a component are started one after the
 //! other, each after the first pass of the previous one, and begin with a tick.
 
-use typed_index_collections::TiSlice;
-
-use super::queue;
+use super::servers::{self, Window};
+use super::windows::{ClientWindow, situations, stops, whole_run};
 use crate::scn::semantics::Semantics;
 use crate::system::loops::pauseless_cycles;
-use crate::system::{CodelId, Machine, ServiceId, TaskId, Ticks, TimedSystem, Yield};
+use crate::system::{CodelId, Machine, TaskId, Ticks, TimedSystem, Yield};
 
 /// Returns a bound on the reaction time of a chain, in base units. The data go by any of some paths; each
 /// path lists the codels that carry the data, in order. Returns `None` if this method finds no bound.
@@ -26,19 +25,27 @@ pub fn reaction_bound(system: &TimedSystem, ways: &[Vec<CodelId>]) -> Option<Tic
     let platform = &system.platform;
     let simple = platform.semantics == Semantics::SERVERS
         && platform.cores.is_none()
-        && queue::is_within_components(system)
+        && servers::is_within_components(system)
         && !system.has_builtin(|_| true);
     if !simple {
         return None;
     }
-    let requests = queue::requests(system);
-    let tasks = Tasks { system, requests: &requests };
+    let stops = stops(system, &situations(system));
+    let tasks = Tasks {
+        system,
+        window: Window::new(
+            system,
+            ClientWindow { requests: whole_run(system), begins: 0 },
+            None,
+            &stops,
+        ),
+    };
     ways.iter().filter_map(|way| tasks.way(way)).min()
 }
 
 struct Tasks<'s> {
     system: &'s TimedSystem,
-    requests: &'s TiSlice<ServiceId, Option<u32>>,
+    window: Window<'s>,
 }
 
 /// Codels of one path that every cycle of a task executes one after the other.
@@ -94,7 +101,7 @@ impl Tasks<'_> {
     }
 
     /// Returns a period and the length of a cycle: less than two periods, for a later task less than one and
-    /// a half (see `queue`).
+    /// a half (see `servers`).
     fn round(&self, task: TaskId) -> Option<Ticks> {
         let period = self.system.tasks[task].period?;
         let length = self.length(task)?;
@@ -106,7 +113,7 @@ impl Tasks<'_> {
     }
 
     fn length(&self, task: TaskId) -> Option<Ticks> {
-        queue::cycle(self.system, task, self.requests)
+        self.window.cycle(task)
     }
 
     /// Returns the index of a task in its component.

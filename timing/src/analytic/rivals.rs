@@ -2,13 +2,12 @@
 
 use typed_index_collections::TiVec;
 
-use super::Analysis;
 use super::demand::Stretches;
 use super::ways::Ways;
+use super::windows::Requests;
+use super::{Analysis, Window};
 use crate::scn::semantics::LockRule;
-use crate::system::{
-    Client, ClientAction, CodelId, CodelSet, FOREVER, Machine, TaskId, TimedSystem,
-};
+use crate::system::{AutomatonId, CodelId, CodelSet, FOREVER, Machine, TaskId, TimedSystem};
 
 /// The work that can keep codels waiting for their locks.
 #[derive(Debug, Default)]
@@ -60,6 +59,7 @@ impl Analysis<'_> {
     /// start-up may.
     pub(super) fn rivals(
         &self,
+        window: &Window,
         excluded: &CodelSet,
         own: Option<TaskId>,
         of: &dyn Fn(TaskId) -> bool,
@@ -76,7 +76,7 @@ impl Analysis<'_> {
                 let parties = if own == Some(task) && !self.system.runs_apart(task) {
                     &[]
                 } else {
-                    &self.parties[task][..]
+                    &window.parties[task][..]
                 };
                 let jobs = parties.iter().map(|party| self.turns(party, &cost));
                 let most = jobs.max_by_key(|job| job.unwrap_or(u64::MAX));
@@ -86,7 +86,11 @@ impl Analysis<'_> {
                 }
                 continue;
             }
-            for &automaton in entry.permanent.iter().chain(&entry.slots) {
+            let takes_part = |automaton: &&AutomatonId| {
+                let service = self.system.automata[**automaton].service;
+                service.is_none_or(|service| window.requests[service] != Some(0))
+            };
+            for &automaton in entry.permanent.iter().chain(&entry.slots).filter(takes_part) {
                 let machine = self.system.machine_of(automaton);
                 if machine.states.iter().any(|state| cost(state.codel) != Some(0)) {
                     // Activities begin again at any time.
@@ -96,7 +100,7 @@ impl Analysis<'_> {
                 }
             }
         }
-        out.control = self.control_work(excluded);
+        out.control = self.control_work(&window.requests, excluded);
         out
     }
 
@@ -122,38 +126,17 @@ impl Analysis<'_> {
         })
     }
 
-    fn control_work(&self, excluded: &CodelSet) -> Option<u64> {
+    /// Returns the work of control tasks in some codels, unless it is unlimited.
+    fn control_work(&self, requests: &Requests, excluded: &CodelSet) -> Option<u64> {
         let mut sum = 0u64;
-        for client in &self.system.clients {
-            for (at, step) in client.steps.iter().enumerate() {
-                let ClientAction::Send { service, .. } = step.action else {
-                    continue;
-                };
-                let service = &self.system.services[service];
-                let codels = service.validate.iter().chain(&service.simple);
-                let mut codels = codels.filter(|&&codel| excluded.contains(codel));
-                let work =
-                    codels.try_fold(0u64, |sum, &codel| sum.checked_add(self.upper(codel)?))?;
-                if work > 0 && on_cycle(client, at) {
-                    return None;
-                }
-                sum = sum.checked_add(work)?;
+        for (service, &count) in self.system.services.iter().zip(requests) {
+            let codels = service.validate.iter().chain(&service.simple);
+            let mut codels = codels.filter(|&&codel| excluded.contains(codel));
+            let work = codels.try_fold(0u64, |sum, &codel| sum.checked_add(self.upper(codel)?))?;
+            if work > 0 {
+                sum = sum.checked_add(work.checked_mul(u64::from(count?))?)?;
             }
         }
         Some(sum)
     }
-}
-
-fn on_cycle(client: &Client, at: usize) -> bool {
-    let mut seen = vec![false; client.steps.len()];
-    let mut stack: Vec<usize> = client.steps[at].next.clone();
-    while let Some(step) = stack.pop() {
-        if step == at {
-            return true;
-        }
-        if step < client.steps.len() && !std::mem::replace(&mut seen[step], true) {
-            stack.extend(&client.steps[step].next);
-        }
-    }
-    false
 }

@@ -3,6 +3,7 @@
 use super::never_observed::NeverObserved;
 use super::reductions::Activity;
 use super::run::Run;
+use super::spans::ChainSpans;
 use super::watch::Stop;
 use crate::system::{ServiceId, Ticks};
 
@@ -59,6 +60,8 @@ pub struct Findings {
     pub refused: Vec<ServiceId>,
     /// Services that interrupt themselves, if two waiting instances interrupted each other.
     pub restarts: Vec<ServiceId>,
+    /// What delays the datum of a chain.
+    pub chain: ChainSpans,
     /// Reductions used in each exploration.
     pub reductions: Vec<Vec<Activity>>,
     /// Number of states kept.

@@ -75,7 +75,9 @@ pub(crate) use self::system_rules::SystemRules;
 pub use self::work::{IdleTurn, Work};
 use super::state::{Clocks, Frame, State, TaskStatus};
 use crate::property::Atom;
-use crate::system::{AutomatonId, ClientId, ComponentId, ServiceId, TaskId, Ticks, TimedSystem};
+use crate::system::{
+    AutomatonId, ClientId, CodelId, ComponentId, ServiceId, TaskId, Ticks, TimedSystem,
+};
 
 /// An action: an event that takes no time. Executors are numbered: automata, then the control tasks of
 /// components, then clients. (With passes there are tasks instead of automata.)
@@ -246,6 +248,9 @@ pub(crate) trait Rules: Sized {
 
     /// Returns the value of an atom of a predicate.
     fn atom(&self, s: &State, atom: &Atom) -> bool;
+
+    /// Returns the codel that keeps an executor waiting for its locks.
+    fn lock_holder(&self, s: &State, executor: usize) -> Option<CodelId>;
 
     /// Returns true if [`Rules::apply`] ever refused a request for a service for lack of a slot.
     fn has_refused(&self, service: ServiceId) -> bool;

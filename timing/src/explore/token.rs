@@ -16,42 +16,18 @@
 use super::findings::{Bound, Findings, Measured};
 use super::reductions::{NoReductions, Reduced};
 use super::rules::Moment;
-use super::rules::{Action, Enabled, Rules, SystemRules, Work};
+use super::rules::{Action, Enabled, Rules, Work};
 use super::run::Run;
 use super::search::explore_by;
 use super::state::{Clocks, Frame, State, TaskStatus};
-use super::watch::{Limits, Watch, Within};
+use super::watch::{Limits, Watch};
 use crate::cancel::Cancel;
-use crate::property::{Atom, Predicate, TaskState};
+use crate::property::Atom;
 use crate::scn::ast::ChainKind;
 use crate::system::chain::{Chain, DataPlace};
 use crate::system::{
     AutomatonId, ClientId, CodelId, ComponentId, FOREVER, ServiceId, TaskId, Ticks, TimedSystem,
 };
-
-/// Finds the supremum of a chain, by exploring all runs. It is the only entry of `within` in the findings;
-/// `None` there if no write is ever marked.
-pub fn explore_chain(
-    system: &TimedSystem,
-    chain: &Chain,
-    limit: Option<Ticks>,
-    limits: Limits,
-    cancel: &Cancel,
-) -> Findings {
-    let never = || {
-        let atom = Predicate::Atom(Atom::Task(TaskId::default(), TaskState::Idle));
-        Predicate::And(Box::new(atom.clone()), Box::new(Predicate::Not(Box::new(atom))))
-    };
-    let watch = Watch {
-        within: vec![Within { trigger: never(), responses: vec![never()], limit }],
-        ..Watch::default()
-    };
-    let mut found = explore_tracked(&SystemRules::new(system), chain, &watch, limits, cancel);
-    for measurement in found.within.iter_mut().flatten() {
-        without_marks(measurement);
-    }
-    found
-}
 
 /// Returns the greatest age, in base units, up to which invisible ages are counted. Greater ages would be
 /// unbounded, or nearly so.
@@ -63,7 +39,7 @@ pub(super) fn greatest_age(system: &TimedSystem) -> Ticks {
     sum.saturating_mul(32)
 }
 
-fn explore_tracked<R: Rules>(
+pub(super) fn explore_tracked<R: Rules>(
     rules: &R,
     chain: &Chain,
     watch: &Watch,
@@ -76,7 +52,7 @@ fn explore_tracked<R: Rules>(
 }
 
 /// Removes marks from runs: they are not actions of the system.
-fn without_marks(measurement: &mut Measured) {
+pub(super) fn without_marks(measurement: &mut Measured) {
     let strip = |run: &mut Run| {
         let is_mark = |action: &Action| matches!(action, Action::Mark { .. });
         if let Some(cycle) = &mut run.cycle {
@@ -107,18 +83,18 @@ mod status {
 const BITS: usize = u16::BITS as usize;
 
 /// Rules with a token.
-struct Tracked<'c, R> {
-    rules: R,
-    chain: &'c Chain,
+pub(super) struct Tracked<'c, R> {
+    pub(super) rules: R,
+    pub(super) chain: &'c Chain,
     /// Place of the token in the discrete part.
     token: usize,
     /// Number of executors.
-    executors: usize,
+    pub(super) executors: usize,
     cap: Ticks,
 }
 
 impl<'c, R: Rules> Tracked<'c, R> {
-    fn new(rules: &R, chain: &'c Chain, clocks: &Clocks) -> Self {
+    pub(super) fn new(rules: &R, chain: &'c Chain, clocks: &Clocks) -> Self {
         let executors = rules.frame().executors();
         let places = chain.shared + chain.locals * holders(rules);
         let clocks = Clocks {
@@ -145,11 +121,11 @@ impl<'c, R: Rules> Tracked<'c, R> {
         self.bit(0, executor)
     }
 
-    fn marked_executor(&self, executor: usize) -> (usize, u16) {
+    pub(super) fn marked_executor(&self, executor: usize) -> (usize, u16) {
         self.bit(self.executors.div_ceil(BITS), executor)
     }
 
-    fn marked_place(&self, place: DataPlace, holder: usize) -> (usize, u16) {
+    pub(super) fn marked_place(&self, place: DataPlace, holder: usize) -> (usize, u16) {
         let number = match place {
             DataPlace::Shared(index) => index,
             DataPlace::Local(local) => self.chain.shared + holder * self.chain.locals + local,
@@ -163,7 +139,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
 
     /// Returns the present codel of an executor, and the holder of its local variables: the place of an
     /// activity (also of one whose request is handled), or the request itself.
-    fn codel(&self, s: &State, executor: usize) -> Option<(CodelId, usize)> {
+    pub(super) fn codel(&self, s: &State, executor: usize) -> Option<(CodelId, usize)> {
         match self.rules.work(s, executor)? {
             Work::State { codel, slot, .. } => Some((codel, slot)),
             Work::Control { codel, service, .. } => {
@@ -354,11 +330,11 @@ impl<'c, R: Rules> Tracked<'c, R> {
 
 /// Returns the number of holders of local variables: the places of activities, and the request that each
 /// control task handles.
-fn holders<R: Rules>(rules: &R) -> usize {
+pub(super) fn holders<R: Rules>(rules: &R) -> usize {
     rules.places() + rules.system().components.len()
 }
 
-fn is_set(s: &State, (word, bit): (usize, u16)) -> bool {
+pub(super) fn is_set(s: &State, (word, bit): (usize, u16)) -> bool {
     s.d[word] & bit != 0
 }
 
@@ -381,6 +357,10 @@ impl<R: Rules> Rules for Tracked<'_, R> {
 
     fn frame(&self) -> &Frame {
         self.rules.frame()
+    }
+
+    fn lock_holder(&self, s: &State, executor: usize) -> Option<CodelId> {
+        self.rules.lock_holder(s, executor)
     }
 
     fn initial(&self) -> State {

@@ -6,6 +6,7 @@ use dotgen_analysis::model::Seconds;
 use serde::{Deserialize, Serialize};
 
 use super::semantics::{LockRule, PauseRule, PortRule, Preset, TickRule, TurnRule};
+use super::times::TimesFile;
 
 /// The possible numbers of slots of an activity. Each additional slot multiplies the number of states.
 pub const SLOTS: RangeInclusive<u32> = 1..=32;
@@ -33,6 +34,8 @@ pub struct Scenario {
     pub name_range: Range<usize>,
     /// Items, in order.
     pub items: Vec<Item>,
+    /// Contents of the files of execution times. The parser reads no file: its caller adds them.
+    pub times: Vec<TimesFile>,
 }
 
 impl Scenario {
@@ -187,6 +190,8 @@ impl Durations {
 pub enum Item {
     /// `use "FILE.gen";`
     Use(Spanned<String>),
+    /// `times "FILE.wcet";`
+    Times(Spanned<String>),
     /// `unit 1 ms;`
     Unit(u64, Unit),
     /// `cores 4;`; `None`: `free`.

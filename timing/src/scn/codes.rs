@@ -40,6 +40,8 @@ pub const CODES: &[Code] = &[
     error("scn-port-direction"),
     error("scn-no-use"),
     error("scn-use-not-found"),
+    error("scn-times"),
+    warning("scn-times-name"),
     error("scn-no-component"),
     error("scn-affinity"),
     error("scn-semantics"),

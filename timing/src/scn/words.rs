@@ -34,6 +34,12 @@ const WORDS: &[Word] = &[
         "use \"FILE.gen\";",
         "A specification to verify; the path starts at the directory of the scenario.",
     ),
+    word(
+        "times",
+        "times \"FILE.wcet\";",
+        "A file with the functions of codels and their worst cases in seconds, for codels without a `wcet` and \
+         without a `duration`. `NAME.wcet` next to `NAME.gen` needs no `times`.",
+    ),
     word("unit", "unit 10 us;", "Unit of results (default 1 ms); durations are rounded up to it."),
     word("cores", "cores 4;  cores free;", "Number of cores. `free` (default): one core per task."),
     word(
@@ -203,7 +209,12 @@ const WORDS: &[Word] = &[
     ),
     word("leadsto", "check leadsto P => Q;", "Whenever P becomes true, Q follows on every run."),
     word("eventually", "check eventually P;", "P becomes true on every run."),
-    word("always", "check always P;", "P holds in every state."),
+    word(
+        "always",
+        "check always P;  check always P => Q;",
+        "P holds in every state; with `=>`, Q holds in every state with P.",
+    ),
+    word("never", "check never P;", "P holds in no state. The same as `always not P`."),
     word("reachable", "check reachable P;", "P holds in some state."),
     word(
         "deadlock",

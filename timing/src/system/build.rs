@@ -9,11 +9,11 @@ mod machines;
 mod rules;
 mod times;
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use dotgen_analysis::model::{Owner, Src};
+use dotgen_analysis::model::{Owner, Seconds, Src};
 use num_rational::Ratio;
 use typed_index_collections::TiVec;
 
@@ -47,6 +47,8 @@ fn build_with(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> boo
         slots: HashMap::new(),
         places: HashMap::new(),
         affinity: HashMap::new(),
+        given: given_times(settings),
+        timed_by: BTreeMap::new(),
         untimed: Vec::new(),
         requested: Vec::new(),
         out: Built {
@@ -127,6 +129,19 @@ fn build_with(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> boo
     builder.out
 }
 
+/// Returns the times of the files of execution times, with the names of the files, by specification and
+/// function. A file that the scenario names has no specification. Of two files, the first one counts.
+fn given_times(settings: &Settings) -> HashMap<(Option<usize>, &str), (Seconds, &str)> {
+    let mut out = HashMap::new();
+    for file in &settings.times {
+        for given in &file.times {
+            out.entry((file.beside, given.function.as_str()))
+                .or_insert((given.time, file.name.as_str()));
+        }
+    }
+    out
+}
+
 /// The code of a time that is too long for the base unit.
 const TOO_LONG: &str = "scn-time-range";
 
@@ -145,6 +160,10 @@ struct Builder<'b> {
     affinity: HashMap<(usize, u32), u32>,
     /// Codels without execution time.
     untimed: Vec<CodelId>,
+    /// Times of files, see [`given_times`].
+    given: HashMap<(Option<usize>, &'b str), (Seconds, &'b str)>,
+    /// Number of codels with a time from a file, by its name.
+    timed_by: BTreeMap<&'b str, usize>,
     /// Services that some client requests.
     requested: Vec<(usize, u32)>,
     out: Built,

@@ -6,6 +6,7 @@ use dotgen_analysis::model::Seconds;
 
 use crate::scn::ast::{Check, Client, Durations, Interval, Item, Path, Policy, Scenario, Unit};
 use crate::scn::semantics::{Points, Preset, Semantics};
+use crate::scn::times::TimesFile;
 use crate::system::CodelName;
 
 /// The settings of a scenario, with the options that override it.
@@ -35,6 +36,8 @@ pub struct Settings {
     pub durations: Durations,
     /// Durations of single codels.
     pub duration: Vec<(Path, Interval, Unit)>,
+    /// Files of execution times, for codels without another time.
+    pub times: Vec<TimesFile>,
     /// Loop limits with their place in the scenario, the most general first.
     pub loops: Vec<(Option<u32>, Option<Path>, Range<usize>)>,
     /// Rules for idle ticks, the most general first.
@@ -75,6 +78,7 @@ impl Settings {
             stated_order: None,
             durations: Durations::default(),
             duration: Vec::new(),
+            times: scenario.times.clone(),
             loops: Vec::new(),
             idle: Vec::new(),
             async_free: false,
@@ -90,7 +94,7 @@ impl Settings {
         };
         for item in &scenario.items {
             match item.clone() {
-                Item::Use(_) => {}
+                Item::Use(_) | Item::Times(_) => {}
                 Item::Unit(count, unit) => out.unit = Some((count, unit)),
                 Item::Cores(cores) => out.cores = cores,
                 Item::Semantics(preset) => out.preset = preset,

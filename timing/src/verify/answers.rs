@@ -81,6 +81,8 @@ impl Group<'_> {
             counterexample: Vec::new(),
             reason: Vec::new(),
             job: None,
+            spent: Vec::new(),
+            endless: None,
             witness: Vec::new(),
             cycle: None,
             left_out: false,
@@ -127,6 +129,9 @@ impl Group<'_> {
                 if out.value == Some(Value::Unbounded) && out.note.is_none() {
                     out.note = self.loop_of(task);
                 }
+                if let Some(measured) = &found.response[place] {
+                    self.spent_by_task(task, &measured.longest.run, &mut out);
+                }
                 let end = exceeded(&found.response[place]).filter(|_| !out.rounded);
                 if let (Some(end), Some(bound)) = (end, bound) {
                     let what = format!("the job has taken more than {}", limit_text(bound));
@@ -137,8 +142,13 @@ impl Group<'_> {
                     });
                 }
             }
-            What::Within(_, list, bound) => {
+            What::Within(trigger, list, bound) => {
                 self.bounded(&found.within[place], NEVER_TRUE, found, &mut out);
+                if let Some(measured) = &found.within[place] {
+                    let longest = &measured.longest.run;
+                    let run = measured.excess.as_ref().map_or(longest, |excess| &excess.run);
+                    self.spent_until_response((trigger, list), (run, longest), &mut out);
+                }
                 let end = exceeded(&found.within[place]).filter(|_| !out.rounded);
                 if let (Some(end), Some(bound)) = (end, bound) {
                     let what = format!(
@@ -236,6 +246,8 @@ impl Group<'_> {
         report.memory = report.memory.max(found.bytes);
         if let Some(run) = &found.counterexample {
             self.refute(run, &mut out);
+            let (spans, codels) = self.cycle(run, &query.response);
+            self.set_spent(&[], (&spans, &codels), &mut out);
             if out.cycle.is_none() {
                 out.note = Some("after the end of the run nothing ever happens".to_owned());
             }

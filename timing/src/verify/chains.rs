@@ -25,6 +25,7 @@ impl Group<'_> {
         let measured: Option<Measured> = found.within.first().cloned().flatten();
         let never = "the first datum is never written";
         self.bounded(&measured, never, &found, &mut out);
+        self.set_spent(&found.chain.late, (&found.chain.cycle, &found.chain.codels), &mut out);
         let end = exceeded(&measured).filter(|_| !out.rounded);
         if let (Some(end), Some(limit)) = (end, of.bound) {
             let (from, to) = (of.path.from.text(), of.path.to.text());

@@ -1,6 +1,6 @@
 //! Reaction and age of random chains: the explorer agrees with brute force.
 
-use dotgen_timing::explore::{Bound, Stop, explore_chain};
+use dotgen_timing::explore::{Bound, Span, Stop, explore_chain};
 use dotgen_timing::system::chain::{Chain, ChainKind, DataPlace};
 use dotgen_timing::system::{CodelId, TimedSystem};
 use dotgen_timing::verify::Cancel;
@@ -41,6 +41,21 @@ fn chain(system: &TimedSystem, dice: &mut Dice) -> Chain {
     }
 }
 
+/// Checks that the intervals of a late datum have no gaps, end with the run and exceed the limit by one unit.
+fn adds_up(spans: &[Span], end: u64, limit: Option<u32>) -> Result<(), &'static str> {
+    let spent: u64 = spans.iter().map(|span| span.until - span.from).sum();
+    if spans.last().map(|span| span.until) != Some(end) {
+        return Err("the intervals do not end with the run");
+    }
+    if spans.windows(2).any(|pair| pair[0].until != pair[1].from) {
+        return Err("the intervals have a gap");
+    }
+    match limit {
+        Some(limit) if spent != u64::from(limit) + 1 => Err("the intervals do not add up"),
+        _ => Ok(()),
+    }
+}
+
 fn compare(seed: u64) -> Option<Result<(), String>> {
     let mut dice = Dice::new(seed);
     let (system, _) = systems::random(&mut dice);
@@ -70,6 +85,11 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
     let unknown = limit >= Some(CAP);
     if !unknown && exceeded != limit.is_some_and(|limit| expected > Some(limit)) {
         return failed(format!("limit {limit:?}: exceeded {exceeded}, brute {expected:?}"));
+    }
+    if let Some(excess) = measured.and_then(|measurement| measurement.excess.as_ref())
+        && let Err(why) = adds_up(&found.chain.late, excess.run.end, limit)
+    {
+        return failed(format!("{why}: {:?}", found.chain.late));
     }
     // Its runs are runs of the system.
     for excess in measured

@@ -20,7 +20,7 @@ fn found(specification: &str, scenario: &str) -> Vec<&'static str> {
 }
 
 /// Codes of file access, which the layer above reports.
-const OF_FILES: [&str; 2] = ["scn-no-use", "scn-use-not-found"];
+const OF_FILES: [&str; 4] = ["scn-no-use", "scn-use-not-found", "scn-times", "scn-times-name"];
 
 #[test]
 fn the_examples_of_the_manual_trigger_their_codes() {

@@ -1,5 +1,6 @@
 //! The scenario language: parsing, recovery, formatting and resolution.
 
+use dotgen_timing::scn::ast::CheckKind;
 use dotgen_timing::scn::names::{Names, Target};
 use dotgen_timing::scn::{default_text, format, parse, parse_check};
 use dotgen_timing::verify::{Cancel, SystemInput, verify};
@@ -105,6 +106,27 @@ fn checks_can_be_given_alone() {
     assert!(parse_check("q: always not a.b.exec").is_ok());
     assert!(parse_check("response a.b <= ").is_err());
     assert!(parse_check("schedulable * ;").is_err());
+}
+
+#[test]
+fn implications_and_never_stand_for_other_predicates() {
+    let text = |check: &str| match parse_check(check).unwrap().kind {
+        CheckKind::Always(predicate) | CheckKind::Reachable(predicate) => predicate.text(),
+        other => panic!("{other:?}"),
+    };
+    for (written, meant) in [
+        ("never a.b", "always not a.b"),
+        ("never a or b", "always not (a or b)"),
+        ("always a => b", "always not a or b"),
+        ("always a and b => c or d", "always not (a and b) or c or d"),
+        ("always a => b => c", "always not a or not b or c"),
+        ("reachable (a => b) and c", "reachable (not a or b) and c"),
+    ] {
+        assert_eq!(text(written), text(meant), "{written}");
+    }
+    // There the arrow is that of the check.
+    assert!(parse_check("leadsto a => b => c").is_err());
+    assert!(parse_check("leadsto (a => b) => c").is_ok());
 }
 
 #[test]

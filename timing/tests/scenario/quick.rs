@@ -169,7 +169,7 @@ fn jobs_on_the_same_core_do_not_wait_for_locks_of_each_other() {
 #[test]
 fn on_cores_given_in_order_each_other_task_goes_first_at_most_once() {
     // `a` misses its deadlines: one core has more work than time. Nevertheless `b` and `c` wait for at most
-    // one cycle of each other task.
+    // one cycle of each other task, and on two cores `a` keeps one of them busy.
     let specification = r"
         component one { task a { period 10 ms; codel <start> f() yield pause::start wcet 11 ms; }; };
         component two { task b { period 20 ms; codel <start> g() yield pause::start wcet 3 ms; }; };
@@ -183,8 +183,8 @@ fn on_cores_given_in_order_each_other_task_goes_first_at_most_once() {
     ");
     insta::assert_snapshot!(servers("cores 2; policy fifo;"), @r"
     one.a -
-    two.b 9
-    three.c 9
+    two.b 5
+    three.c 5
     ");
     insta::assert_snapshot!(servers("cores 1; policy edf;"), @r"
     one.a -
@@ -221,5 +221,43 @@ fn a_task_without_a_period_may_keep_its_core_for_ever() {
     insta::assert_snapshot!(servers("cores 2; policy fifo; client c { send bg.act; }"), @r"
     bg.a -
     tt.p 1
+    ");
+}
+
+#[test]
+fn activities_that_a_client_requests_one_after_the_other_do_not_add_up() {
+    let specification = r"
+        component c {
+            task t { period 10 ms; codel<start> a() yield pause::start wcet 1 ms; };
+            activity x() { task t; codel<start> b() yield ether wcet 4 ms; };
+            activity y() { task t; codel<start> d() yield ether wcet 5 ms; };
+        };
+    ";
+    let both = |between: &str| {
+        let scenario = format!("client k {{ send c.x; await ended; {between} send c.y; }}");
+        [Preset::Servers, Preset::Published]
+            .map(|preset| bounds_under(preset, specification, &scenario))
+    };
+    assert_eq!(both("delay 50 ms;"), ["c.t 6\n", "c.t 6\n"]);
+    // Within one period, both can be executed in one job. The published models end an activity with its job.
+    assert_eq!(both("delay 5 ms;"), ["c.t -\n", "c.t 6\n"]);
+}
+
+#[test]
+fn under_priorities_a_thread_at_the_head_of_the_queue_without_a_core_keeps_others_waiting() {
+    // `lo` excludes nobody. But `hi` waits behind its ticket while `mid` has the core.
+    let specification = r"
+        component c {
+            ids { long x; long y; };
+            task hi { period 50 ms; priority 1; codel<start> a(inout x) yield pause::start wcet 1 ms; };
+            task lo { period 50 ms; priority 9; codel<start> b(inout y) yield pause::start wcet 1 ms; };
+        };
+        component d { task mid { period 40 ms; priority 5; codel<start> m() yield pause::start wcet 9 ms; }; };
+    ";
+    let bounds = bounds_under(Preset::Servers, specification, "cores 1; policy priority;");
+    insta::assert_snapshot!(bounds, @r"
+    c.hi 10
+    c.lo 11
+    d.mid 10
     ");
 }

@@ -108,6 +108,7 @@ mod tests {
             scenario: parse(text).scenario,
             units: Vec::new(),
             errors: Vec::new(),
+            ..Problem::default()
         }
     }
 

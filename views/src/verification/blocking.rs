@@ -78,3 +78,8 @@ pub fn table(problem: &Problem, options: &Options) -> Vec<Row> {
     };
     system.codels.iter().map(row).collect()
 }
+
+pub(super) fn function(table: &[Row], codel: &CodelName) -> String {
+    let row = table.iter().find(|row| row.codel.path == *codel);
+    row.map_or(&**codel, |row| &row.codel.function).to_owned()
+}

@@ -20,7 +20,7 @@ use dotgen_platform::files::vfs;
 const UNRESOLVED_PACKAGE: &str = "pp-requires-unresolved";
 
 /// A scenario and the specifications it uses.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct Problem {
     /// The file of the scenario; for the default scenario, the file of the specification.
     pub path: Utf8PathBuf,
@@ -32,12 +32,16 @@ pub struct Problem {
     /// Errors that prevent a verification: syntax errors, unreadable files, errors in specifications.
     /// Warnings are reported in the specifications themselves.
     pub errors: Vec<Diagnostic>,
+    /// Warnings about files of execution times.
+    pub warnings: Vec<Diagnostic>,
+    /// The files of execution times that were read.
+    pub times: Vec<Utf8PathBuf>,
 }
 
 impl Problem {
     /// Every file that the problem was read from.
     pub fn files(&self) -> impl Iterator<Item = &Utf8Path> {
-        let used = self.units.iter().flat_map(|unit| &unit.files);
+        let used = self.units.iter().flat_map(|unit| &unit.files).chain(&self.times);
         std::iter::once(&self.path).chain(used).map(camino::Utf8PathBuf::as_path)
     }
 }
@@ -51,18 +55,33 @@ pub struct UsedFile {
     pub range: Range<usize>,
 }
 
-/// The files that a scenario uses. Relative paths start at its directory.
+/// The specifications that a scenario uses. Relative paths start at its directory.
 pub fn used(scenario: &Scenario, path: &Utf8Path) -> Vec<UsedFile> {
+    files(scenario, path, |item| match item {
+        Item::Use(name) => Some(name),
+        _ => None,
+    })
+}
+
+/// All files that a scenario names: specifications, and files of execution times.
+pub fn named(scenario: &Scenario, path: &Utf8Path) -> Vec<UsedFile> {
+    files(scenario, path, |item| match item {
+        Item::Use(name) | Item::Times(name) => Some(name),
+        _ => None,
+    })
+}
+
+fn files(
+    scenario: &Scenario,
+    path: &Utf8Path,
+    of: impl Fn(&Item) -> Option<&Spanned<String>>,
+) -> Vec<UsedFile> {
     let directory = path.parent().unwrap_or(path);
     let file = |spanned: &Spanned<String>| UsedFile {
         path: vfs::normalize(&directory.join(&spanned.value)),
         range: spanned.range.clone(),
     };
-    let files = scenario.items.iter().filter_map(|item| match item {
-        Item::Use(name) => Some(file(name)),
-        _ => None,
-    });
-    files.collect()
+    scenario.items.iter().filter_map(of).map(file).collect()
 }
 
 /// A diagnostic of the scenario language, in the form of all front ends.
@@ -124,7 +143,7 @@ impl Problem {
         path: &Utf8Path,
         text: String,
         analysis: &Analysis,
-        exists: impl Fn(&Utf8Path) -> FileContent,
+        read: impl Fn(&Utf8Path) -> FileContent,
     ) -> Cancellable<Problem> {
         let parsed = scn::parse(&text);
         let directory = path.parent().unwrap_or(path);
@@ -138,7 +157,7 @@ impl Problem {
             errors.push(error("scn-no-use", path, range, message));
         }
         for file in files {
-            let why = match exists(&file.path) {
+            let why = match read(&file.path) {
                 FileContent::Text(_) | FileContent::NotUtf8(_) => {
                     let unit = unit_for(analysis, &file.path, directory)?;
                     add_errors_of(&unit, &mut errors);
@@ -149,18 +168,18 @@ impl Problem {
                 FileContent::Directory => "it is a directory".to_owned(),
                 FileContent::Unreadable(why) => why,
             };
-            let message = format!(
-                "cannot read `{}`: {why}; paths start at the directory of the scenario",
-                text[file.range.clone()].trim_matches('"')
-            );
-            errors.push(error("scn-use-not-found", path, file.range, message));
+            errors.push(unreadable(path, &text, file.range, &why));
         }
-        Ok(Problem { path: path.to_owned(), text, scenario: parsed.scenario, units, errors })
-    }
-
-    /// The default scenario over some specifications.
-    pub fn default_scenario(path: &Utf8Path, files: &[String], units: Vec<UnitResult>) -> Problem {
-        Problem::default_scenario_on(Platform::default(), path, files, units)
+        let mut problem = Problem {
+            path: path.to_owned(),
+            text,
+            scenario: parsed.scenario,
+            units,
+            errors,
+            ..Problem::default()
+        };
+        problem.read_times(&read);
+        Ok(problem)
     }
 
     /// The default scenario over some specifications, on a platform.
@@ -169,6 +188,7 @@ impl Problem {
         path: &Utf8Path,
         files: &[String],
         units: Vec<UnitResult>,
+        read: impl Fn(&Utf8Path) -> FileContent,
     ) -> Problem {
         let mut errors = Vec::new();
         for unit in &units {
@@ -182,7 +202,10 @@ impl Problem {
             errors.push(error("scn-no-component", path, 0..0, message.to_owned()));
         }
         let scenario = scn::parse(&text).scenario;
-        Problem { path: path.to_owned(), text, scenario, units, errors }
+        let mut problem =
+            Problem { path: path.to_owned(), text, scenario, units, errors, ..Problem::default() };
+        problem.read_times(&read);
+        problem
     }
 
     /// True if the problem was read from a file.
@@ -190,9 +213,10 @@ impl Problem {
         self.path == file
             || (self.units.iter()).any(|unit| unit.files.iter().any(|path| path == file))
             || self.uses(file)
+            || self.times.iter().any(|path| path == file)
     }
 
-    /// True if the scenario names a file.
+    /// True if the scenario uses a specification.
     pub fn uses(&self, file: &Utf8Path) -> bool {
         used(&self.scenario, &self.path).iter().any(|candidate| candidate.path == file)
     }
@@ -203,6 +227,8 @@ impl Problem {
         self.path == other.path
             && self.text == other.text
             && self.errors == other.errors
+            && self.warnings == other.warnings
+            && self.scenario.times == other.scenario.times
             && self.units.len() == other.units.len()
             && (self.units.iter().zip(&other.units)).all(|(a, b)| a.spec == b.spec)
     }
@@ -283,6 +309,23 @@ fn add_errors_of(unit: &UnitResult, errors: &mut Vec<Diagnostic>) {
     errors.extend(prevents(unit).cloned());
 }
 
-fn error(code: &'static str, path: &Utf8Path, range: Range<usize>, message: String) -> Diagnostic {
+pub(super) fn unreadable(
+    path: &Utf8Path,
+    text: &str,
+    range: Range<usize>,
+    why: &str,
+) -> Diagnostic {
+    let name = text[range.clone()].trim_matches('"');
+    let message =
+        format!("cannot read `{name}`: {why}; paths start at the directory of the scenario");
+    error("scn-use-not-found", path, range, message)
+}
+
+pub(super) fn error(
+    code: &'static str,
+    path: &Utf8Path,
+    range: Range<usize>,
+    message: String,
+) -> Diagnostic {
     Diagnostic::new(code, Severity::Error, message, path.to_owned(), range)
 }

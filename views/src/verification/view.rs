@@ -121,7 +121,7 @@ impl<'r> CheckView<'r> {
                 Soundness::Exact | Soundness::UpperBound | Soundness::LowerBound => None,
                 Soundness::Safe => Some("safe: a failure may be a false alarm"),
                 Soundness::Under => Some("for worst-case durations only"),
-                Soundness::WholeUnits => Some("shown for ends at whole units of time"),
+                Soundness::WholeUnits => Some("only for codels that end at whole units of time"),
                 Soundness::Neither => Some("for worst-case durations only, indicative"),
             },
             reason: report.reason.iter().map(|reason| sentence(reason, unit)).collect(),

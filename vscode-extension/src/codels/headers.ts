@@ -1,7 +1,7 @@
 // Headers that let clangd understand codels without a build: written on request, offered once.
 import * as vscode from 'vscode';
 import type { Server } from '../client';
-import { notRunning } from '../commands/server';
+import { ready } from '../commands/server';
 import { codelHeaders, LANGUAGE } from '../protocol';
 
 const REMEMBERED = 'dotgen.codelHeaders.offered';
@@ -30,11 +30,8 @@ export class CodelHeaders implements vscode.Disposable {
       void vscode.window.showInformationMessage('Open a .gen file, or a source of its codels, first.');
       return;
     }
-    const client = this.server.running;
-    if (client === undefined) {
-      await notRunning(this.server);
-      return;
-    }
+    const client = await ready(this.server);
+    if (client === undefined) return;
     const textDocument = client.code2ProtocolConverter.asTextDocumentIdentifier(document);
     let answer;
     try {

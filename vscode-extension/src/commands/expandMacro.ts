@@ -2,7 +2,7 @@
 import * as vscode from 'vscode';
 import type { Server } from '../client';
 import { expandMacro, LANGUAGE } from '../protocol';
-import { notRunning } from './server';
+import { ready } from './server';
 
 const SCHEME = 'dotgen-expansion';
 
@@ -31,11 +31,8 @@ export class MacroExpansion implements vscode.TextDocumentContentProvider, vscod
       void vscode.window.showInformationMessage('Put the cursor on a macro call in a .gen file first.');
       return;
     }
-    const client = this.server.running;
-    if (client === undefined) {
-      await notRunning(this.server);
-      return;
-    }
+    const client = await ready(this.server);
+    if (client === undefined) return;
     const { code2ProtocolConverter: convert } = client;
     const expansion = await client.sendRequest(expandMacro, {
       textDocument: convert.asTextDocumentIdentifier(editor.document),

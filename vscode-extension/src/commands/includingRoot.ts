@@ -3,7 +3,8 @@
 import * as vscode from 'vscode';
 import type { Server } from '../client';
 import { includingRoots, LANGUAGE } from '../protocol';
-import { notRunning } from './server';
+import { reported } from '../failure';
+import { ready } from './server';
 
 /** A command of the server; without `root` it chooses again. */
 const CHOOSE = 'dotgen.chooseRoot';
@@ -14,6 +15,8 @@ export class IncludingRoot implements vscode.Disposable {
   private readonly item = vscode.languages.createLanguageStatusItem('dotgen.includingRoot', { language: LANGUAGE });
   private readonly subscriptions: vscode.Disposable;
   private restored = false;
+  // Answers for an older editor are dropped.
+  private asked = 0;
 
   constructor(
     private readonly server: Server,
@@ -22,7 +25,7 @@ export class IncludingRoot implements vscode.Disposable {
     this.item.name = 'Including specification';
     this.subscriptions = vscode.Disposable.from(
       this.item,
-      vscode.commands.registerCommand('dotgen.selectIncludingSpecification', () => this.select()),
+      vscode.commands.registerCommand('dotgen.selectIncludingSpecification', () => reported(() => this.select())),
       vscode.window.onDidChangeActiveTextEditor(() => this.show()),
       vscode.workspace.onDidSaveTextDocument(() => this.show()),
       server.onDidChange((state) => {
@@ -50,18 +53,22 @@ export class IncludingRoot implements vscode.Disposable {
       return undefined;
     }
     if (!this.restored) {
-      this.restored = true;
       for (const [uri, root] of Object.entries(this.choices)) {
         await vscode.commands.executeCommand(CHOOSE, { uri, root });
       }
+      this.restored = true;
     }
     const textDocument = client.code2ProtocolConverter.asTextDocumentIdentifier(document);
     return { document: textDocument.uri, ...(await client.sendRequest(includingRoots, { textDocument })) };
   }
 
   private async show(): Promise<void> {
+    const asked = ++this.asked;
     // A server that restarts answers when it is back.
     const known = await this.roots().catch(() => undefined);
+    if (asked !== this.asked) {
+      return;
+    }
     if (known === undefined || known.current === null || known.current === known.document) {
       this.item.text = 'Read on its own';
       this.item.detail = 'a specification, or a file that none includes';
@@ -74,10 +81,7 @@ export class IncludingRoot implements vscode.Disposable {
   }
 
   private async select(): Promise<void> {
-    if (this.server.running === undefined) {
-      await notRunning(this.server);
-      return;
-    }
+    if ((await ready(this.server)) === undefined) return;
     const known = await this.roots();
     if (known === undefined || known.roots.every((root) => root === known.document)) {
       void vscode.window.showInformationMessage('No specification of the workspace includes this file: it is read on its own.');

@@ -5,6 +5,8 @@ import { LANGUAGE, release } from '../protocol';
 
 export class ReleaseStatus implements vscode.Disposable {
   private readonly item = vscode.languages.createLanguageStatusItem('dotgen.release', { language: LANGUAGE });
+  // Answers for an older editor are dropped.
+  private asked = 0;
   private readonly subscriptions: vscode.Disposable;
 
   constructor(private readonly server: Server) {
@@ -26,6 +28,7 @@ export class ReleaseStatus implements vscode.Disposable {
   }
 
   private async show(): Promise<void> {
+    const asked = ++this.asked;
     const client = this.server.running;
     const document = vscode.window.activeTextEditor?.document;
     if (client === undefined || document?.languageId !== LANGUAGE) {
@@ -34,7 +37,7 @@ export class ReleaseStatus implements vscode.Disposable {
     const textDocument = client.code2ProtocolConverter.asTextDocumentIdentifier(document);
     // A server that restarts answers when it is back.
     const known = await client.sendRequest(release, { textDocument }).catch(() => undefined);
-    if (known === undefined) {
+    if (known === undefined || asked !== this.asked) {
       return;
     }
     this.item.text = `GenoM3 ${known.release}`;

@@ -1,5 +1,6 @@
 // Commands and messages about the server process.
 import * as vscode from 'vscode';
+import type { LanguageClient } from 'vscode-languageclient/node';
 import type { Server } from '../client';
 
 /** Says what is wrong, and offers what can be done about it. */
@@ -17,18 +18,31 @@ export async function reportFailure(server: Server, reason: string): Promise<voi
   }
 }
 
-/** For a command that needs a server when there is none. */
-export async function notRunning(server: Server): Promise<void> {
+/**
+ * The client of the server, for a command. Waits for a server that is starting: a command may be what starts the extension.
+ * Without a server, reports why.
+ */
+export async function ready(server: Server): Promise<LanguageClient | undefined> {
   if (server.current.kind === 'failed') {
     await reportFailure(server, server.current.reason);
-  } else {
-    void vscode.window.showInformationMessage('The dotgen server is not ready yet; try again in a moment.');
   }
+  if (server.current.kind === 'starting' || server.current.kind === 'stopped') {
+    const options = { location: vscode.ProgressLocation.Window, title: 'dotgen is starting' };
+    await vscode.window.withProgress(options, () => new Promise<void>((resolve) => {
+      const changes = server.onDidChange(({ kind }) => {
+        if (kind === 'stopped' || kind === 'starting') return;
+        changes.dispose();
+        resolve();
+      });
+    }));
+  }
+  return server.running;
 }
 
 /** For a setting that takes effect with the next server process. */
 export async function offerRestart(server: Server): Promise<void> {
-  if (server.current.kind === 'failed' || server.current.kind === 'stopped') {
+  // A server that does not run yet loses nothing.
+  if (server.running === undefined) {
     await server.restart();
     return;
   }

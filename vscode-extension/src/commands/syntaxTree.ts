@@ -1,6 +1,6 @@
 // Show Syntax Tree: a read-only document beside the editor that follows it.
 import * as vscode from 'vscode';
-import type { Server } from '../client';
+import { overtaken, type Server } from '../client';
 import { LANGUAGE, syntaxTree } from '../protocol';
 
 const SCHEME = 'dotgen-tree';
@@ -12,6 +12,8 @@ export class SyntaxTreeView implements vscode.TextDocumentContentProvider, vscod
   readonly onDidChange = this.changed.event;
   private source: vscode.TextDocument | undefined;
   private timer: NodeJS.Timeout | undefined;
+  /** The text on show. */
+  private text = '';
   private readonly subscriptions: vscode.Disposable;
 
   constructor(private readonly server: Server) {
@@ -48,7 +50,13 @@ export class SyntaxTreeView implements vscode.TextDocumentContentProvider, vscod
     if (client === undefined) {
       return 'The dotgen server is not running.';
     }
-    return client.sendRequest(syntaxTree, { textDocument: client.code2ProtocolConverter.asTextDocumentIdentifier(this.source) }, token);
+    try {
+      this.text = await client.sendRequest(syntaxTree, { textDocument: client.code2ProtocolConverter.asTextDocumentIdentifier(this.source) }, token);
+    } catch (error) {
+      // Overtaken by typing: the pause after it asks again.
+      if (overtaken(error) && !token.isCancellationRequested) this.refresh(TYPING_PAUSE_MS);
+    }
+    return this.text;
   }
 
   private follow(editor: vscode.TextEditor | undefined): void {

@@ -1,7 +1,7 @@
 // Generate… and Regenerate: runs a template on the specification in the editor and writes what the user agrees to.
 import * as vscode from 'vscode';
 import type { Server } from '../client';
-import { notRunning } from '../commands/server';
+import { ready } from '../commands/server';
 import { LANGUAGE } from '../protocol';
 import { offerTrust } from '../restricted';
 import { askArguments } from './options';
@@ -66,10 +66,7 @@ export class GenerateCommands implements vscode.Disposable {
     if (!vscode.workspace.isTrusted) {
       return offerTrust('Templates are programs: they are run in trusted folders only.');
     }
-    if (this.server.running === undefined) {
-      await notRunning(this.server);
-      return;
-    }
+    if ((await ready(this.server)) === undefined) return;
     try {
       // What is on the disk is compared and merged.
       await vscode.workspace.saveAll(false);

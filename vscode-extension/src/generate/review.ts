@@ -2,6 +2,7 @@
 import { chmod } from 'node:fs/promises';
 import * as vscode from 'vscode';
 import type { FileChange, Plan } from './protocol';
+import { isStale } from './stale';
 
 const SCHEME = 'dotgen-generated';
 
@@ -38,7 +39,7 @@ export class Review implements vscode.TextDocumentContentProvider, vscode.Dispos
     return this.texts.get(uri.toString()) ?? '';
   }
 
-  /** Shows the files and writes those the user wants; whether there were any. */
+  /** Shows the files and writes those the user wants and that have not changed meanwhile; whether there were any. */
   async confirm(title: string, plan: Plan): Promise<boolean> {
     await this.show(title, plan.files);
     const created = plan.files.filter((it) => it.change === 'create').length;
@@ -124,16 +125,30 @@ async function choose(title: string, files: FileChange[]): Promise<FileChange[] 
 }
 
 /** Makes the changes as one edit that can be undone, saves them, and sets permissions. */
-async function write(title: string, files: FileChange[]): Promise<boolean> {
+async function write(title: string, wanted: FileChange[]): Promise<boolean> {
   const edit = new vscode.WorkspaceEdit();
-  for (const file of files) {
+  const files: FileChange[] = [];
+  const stale: string[] = [];
+  for (const file of wanted) {
     const uri = vscode.Uri.parse(file.uri);
-    if (file.before === null) {
+    const document = await documentAt(uri);
+    if (isStale(document?.getText(), file.before)) {
+      stale.push(vscode.workspace.asRelativePath(uri));
+      continue;
+    }
+    files.push(file);
+    if (document === undefined) {
       edit.createFile(uri, { contents: Buffer.from(file.after), overwrite: false });
     } else {
-      const document = await vscode.workspace.openTextDocument(uri);
       edit.replace(uri, new vscode.Range(0, 0, document.lineCount, 0), file.after);
     }
+  }
+  if (stale.length > 0) {
+    const [them, text] = stale.length === 1 ? ['it was', 'the text'] : ['they were', 'the texts'];
+    void vscode.window.showWarningMessage(`${title}: ${stale.join(', ')} changed after the preview, so ${them} not written. Regenerate to merge ${text}.`);
+  }
+  if (files.length === 0) {
+    return false;
   }
   if (!(await vscode.workspace.applyEdit(edit, { isRefactoring: true }))) {
     void vscode.window.showErrorMessage(`${title}: the files could not be written.`);
@@ -141,7 +156,7 @@ async function write(title: string, files: FileChange[]): Promise<boolean> {
   }
   for (const file of files) {
     const uri = vscode.Uri.parse(file.uri);
-    const open = vscode.workspace.textDocuments.find((it) => it.uri.toString() === uri.toString());
+    const open = openDocument(uri);
     if (open?.isDirty === true) {
       await open.save();
     }
@@ -150,4 +165,14 @@ async function write(title: string, files: FileChange[]): Promise<boolean> {
     }
   }
   return true;
+}
+
+function openDocument(uri: vscode.Uri): vscode.TextDocument | undefined {
+  return vscode.workspace.textDocuments.find((it) => it.uri.toString() === uri.toString());
+}
+
+/** The text of a file in the editor, or else on the disk; undefined if there is no file. */
+async function documentAt(uri: vscode.Uri): Promise<vscode.TextDocument | undefined> {
+  const exists = await vscode.workspace.fs.stat(uri).then(() => true, () => false);
+  return exists ? vscode.workspace.openTextDocument(uri) : undefined;
 }

@@ -2,45 +2,6 @@
 import * as vscode from 'vscode';
 import { page as panelPage, ZOOM_BUTTONS } from '../panel/page';
 
-const STYLE = `
-input[type=search] { width: 8em; }
-#found, .unseen { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
-#view { flex: 1; padding: 8px; }
-/* What a run writes beside a loop may stand outside. */
-#view svg { margin: 0 auto auto; overflow: visible; }
-.node { cursor: pointer; }
-.current .shape { stroke-width: 2.6px !important; stroke: var(--vscode-focusBorder) !important; fill: var(--vscode-editor-selectionHighlightBackground, none) !important; }
-.missed { opacity: .3; }
-.hit .shape { stroke-width: 2.6px !important; stroke: var(--vscode-focusBorder) !important; }
-.toggle { cursor: pointer; font-size: 12px; }
-.part { cursor: pointer; }
-.part:hover, .part:focus { text-decoration: underline; outline: none; }
-.moving { opacity: .7; cursor: grabbing; }
-button[aria-pressed=true] { color: var(--vscode-button-foreground); background: var(--vscode-button-background); outline: 1px solid var(--vscode-contrastActiveBorder, transparent); }
-#chainless { display: flex; flex-wrap: wrap; gap: 4px 8px; align-items: center; padding: 4px 10px; border-bottom: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); }
-#told { padding: 4px 10px; border-bottom: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); }
-#legend { display: flex; flex-wrap: wrap; gap: 2px 16px; padding: 4px 10px; font-size: .9em; color: var(--vscode-descriptionForeground); border-top: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); }
-#legend i { display: inline-block; box-sizing: border-box; width: 16px; height: 11px; margin-right: 5px; vertical-align: -1px; border: 1px solid currentColor; border-radius: 2px; }
-#legend .disc, #legend .ring { width: 11px; border-radius: 50%; }
-#legend .disc { background: currentColor; }
-#legend .ring { border-width: 2px; }
-#legend .end { border: 3px double currentColor; }
-#legend .async { border-style: dashed; }
-#legend .missing { border-color: var(--vscode-editorError-foreground); }
-#legend .pause { height: 0; border-width: 0 0 2px; border-style: dashed; border-color: var(--vscode-charts-blue, var(--vscode-textLink-foreground)); border-radius: 0; vertical-align: 3px; }
-#legend .faint { opacity: .5; }
-.here .shape { stroke: var(--vscode-charts-green, currentColor) !important; stroke-width: 2.6px !important; }
-.executes .shape { fill: color-mix(in srgb, var(--vscode-charts-green, currentColor) 28%, transparent) !important; }
-.never .line, .never .head { opacity: .35; }
-.taken { font-size: 11px; font-weight: 600; fill: var(--vscode-charts-green, currentColor); paint-order: stroke; stroke: var(--vscode-editor-background); stroke-width: 4px; stroke-linejoin: round; }
-#ran i { border-color: var(--vscode-charts-green, currentColor); border-width: 2px; }
-#details { max-height: 35vh; overflow: auto; padding: 8px 12px; border-top: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); }
-#details h2 { font-size: 1em; margin: 0 0 4px; }
-#details dl { display: grid; grid-template-columns: max-content 1fr; gap: 1px 12px; margin: 0; }
-#details dt { color: var(--vscode-descriptionForeground); }
-#details dd { margin: 0; font-family: var(--vscode-editor-font-family); white-space: pre-line; }
-`;
-
 const BODY = `<header aria-label="Diagram"><h1 class="unseen">Diagram</h1>
 <select id="kind" aria-label="Kind of diagram"><option value="fsm">State machine</option><option value="system">System</option><option value="locks">Locks</option></select>
 <label class="fsm" title="Worst-case execution times"><input type="checkbox" id="wcet" checked>WCET</label>
@@ -63,5 +24,5 @@ const BODY = `<header aria-label="Diagram"><h1 class="unseen">Diagram</h1>
 <section id="details" aria-live="polite" aria-label="Details" hidden></section>`;
 
 export function page(webview: vscode.Webview, extension: vscode.Uri): string {
-  return panelPage(webview, extension, { title: 'Diagram', script: 'webview', style: STYLE, body: BODY });
+  return panelPage(webview, extension, { title: 'Diagram', script: 'webview', body: BODY });
 }

@@ -1,15 +1,17 @@
 // The diagram beside the text: follows the cursor and the typing, and leads back to the text.
 import * as vscode from 'vscode';
 import { overtaken, type Server } from '../client';
-import { notRunning } from '../commands/server';
+import { ready } from '../commands/server';
 import { diagram, LANGUAGE, type Arrangement, type DiagramAnswer, type DiagramKind, type DiagramNode, type DiagramParams } from '../protocol';
 import { SidePanel } from '../panel/panel';
 import { range, reveal } from '../panel/reveal';
 import type { Ran } from '../run/messages';
 import { writeOut } from '../verification/writeOut';
 import type { FromPage, Live, Subject, ToPage } from './messages';
+import { nodeAt } from './machine';
 import { page } from './page';
 import { isDark, type Target } from './target';
+import { done } from '../walkthrough';
 
 const TYPING_PAUSE_MS = 40;
 /** Class of nodes on a chain of data. */
@@ -26,8 +28,8 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
   private timer: NodeJS.Timeout | undefined;
   // Where the picture is wanted, until it has been drawn: the page may ask before the first answer is there.
   private at: vscode.Position | undefined;
-  // Answers to older questions are dropped.
-  private asked = 0;
+  // Answers to older questions are dropped, and their work is ended.
+  private asked: vscode.CancellationTokenSource | undefined;
   private readonly subscriptions: vscode.Disposable;
 
   constructor(
@@ -57,6 +59,7 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
 
   override dispose(): void {
     clearTimeout(this.timer);
+    this.asked?.cancel();
     this.subscriptions.dispose();
     super.dispose();
   }
@@ -69,10 +72,7 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
       void vscode.window.showInformationMessage('Open a .gen file first.');
       return;
     }
-    if (this.server.running === undefined) {
-      await notRunning(this.server);
-      return;
-    }
+    if ((await ready(this.server)) === undefined) return;
     this.subject = {
       uri,
       kind,
@@ -80,7 +80,7 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
       ...(target?.component === undefined ? {} : { component: target.component }),
       ...(target?.owner === undefined ? {} : { owner: target.owner }),
     };
-    this.open();
+    await this.open();
     await this.draw(target === undefined ? editor?.selection.active : undefined);
   }
 
@@ -89,6 +89,7 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
   }
 
   protected closed(): void {
+    this.asked?.cancel();
     this.nodes = [];
   }
 
@@ -154,14 +155,14 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
     this.timer = setTimeout(() => void this.draw(), delay);
   }
 
-  private async ask(position?: vscode.Position, more: Partial<DiagramParams> = {}): Promise<DiagramAnswer | null | undefined> {
+  private async ask(position?: vscode.Position, more: Partial<DiagramParams> = {}, token?: vscode.CancellationToken): Promise<DiagramAnswer | null | undefined> {
     const { running: client } = this.server;
     const { subject } = this;
     if (client === undefined || subject === undefined) {
       return undefined;
     }
     const { uri, kind, component, owner, options, way } = subject;
-    return client.sendRequest(diagram, {
+    const wanted: DiagramParams = {
       textDocument: { uri },
       kind,
       ...options,
@@ -172,7 +173,8 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
       ...(owner === undefined ? {} : { owner }),
       ...(position === undefined ? {} : { position: client.code2ProtocolConverter.asPosition(position) }),
       ...more,
-    });
+    };
+    return client.sendRequest(diagram, wanted, token);
   }
 
   private async draw(position = this.at): Promise<void> {
@@ -181,16 +183,17 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
     if (panel === undefined || subject === undefined) {
       return;
     }
-    const question = ++this.asked;
+    this.asked?.cancel();
+    const { token } = (this.asked = new vscode.CancellationTokenSource());
     let answer: DiagramAnswer | null | undefined;
     try {
-      answer = await this.ask(position);
+      answer = await this.ask(position, {}, token);
     } catch (error) {
       // Overtaken by typing: what is typed next, or the pause after it, asks again.
-      if (overtaken(error)) this.refresh(TYPING_PAUSE_MS);
+      if (overtaken(error) && !token.isCancellationRequested) this.refresh(TYPING_PAUSE_MS);
       return;
     }
-    if (question !== this.asked || answer === undefined) {
+    if (token.isCancellationRequested || answer === undefined) {
       return;
     }
     if (answer === null) {
@@ -218,6 +221,7 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
     const { opened, moved } = this.arrangement;
     const arranged = Object.keys(opened).length + Object.keys(moved).length > 0;
     const withoutChains = answer.kind === 'system' && this.subject.options.chains === true && !nodes.some((it) => it.classes.includes(MARKED));
+    if (answer.kind === 'fsm') done('machine');
     this.send({ type: 'picture', shown: { subject: this.subject, title, svg, width, height, nodes, told, withoutChains, arranged } });
     const stale = answer.stale === null ? undefined : `The text has an error (${answer.stale}); this is the last good picture.`;
     const incomplete = answer.incomplete === null ? undefined : `The text has an error (${answer.incomplete}); something may be missing.`;
@@ -256,17 +260,9 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
 
   /** Marks the innermost node around the cursor; false if there is none. */
   private highlight(editor: vscode.TextEditor): boolean {
-    const uri = editor.document.uri.toString();
-    const at = editor.selection.active;
-    const places = this.nodes.flatMap((node) => (node.place?.uri === uri ? [{ node, range: range(node.place.range) }] : []));
-    const exact = places.filter((it) => it.range.contains(at));
-    // Beside a declaration, on one of its lines, is near enough.
-    const lines = places.filter((it) => it.range.start.line <= at.line && at.line <= it.range.end.line);
-    const around = exact.length > 0 ? exact : lines;
-    const size = (it: { range: vscode.Range }) => it.range.end.line - it.range.start.line;
-    around.sort((a, b) => size(a) - size(b));
-    this.send({ type: 'highlight', id: around[0]?.node.id });
-    return around.length > 0;
+    const node = nodeAt(this.nodes, editor.document.uri.toString(), editor.selection.active);
+    this.send({ type: 'highlight', id: node?.id });
+    return node !== undefined;
   }
 
   private async jump(id: string, line?: number): Promise<void> {

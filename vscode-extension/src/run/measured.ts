@@ -1,8 +1,10 @@
 // Execution times of the last run: beside the declared ones, and into the specification as one edit.
 import { execFile } from 'node:child_process';
 import * as vscode from 'vscode';
+import type { Range } from 'vscode-languageclient/node';
 import type { Server } from '../client';
 import { SECTION } from '../config';
+import { range as rangeOf } from '../panel/reveal';
 import { LANGUAGE } from '../protocol';
 
 /** As `dotgen wcet import --format json` writes it (docs/measuring.md), as far as it is used. Times are in nanoseconds. */
@@ -14,12 +16,7 @@ export interface Times {
 
 interface Place {
   file: string;
-  range: { start: Position; end: Position };
-}
-
-interface Position {
-  line: number;
-  character: number;
+  range: Range;
 }
 
 /** What reads the log of a run. */
@@ -157,8 +154,6 @@ function editsOf(times: Times, codel: string): Times['edits'] {
   return times.edits.filter((edit) => places.some((it) => it.file === edit.file && rangeOf(it.range).contains(rangeOf(edit.range))));
 }
 
-const rangeOf = ({ start, end }: Place['range']): vscode.Range => new vscode.Range(start.line, start.character, end.line, end.character);
-
 function read({ command, arguments: given, cwd, env }: Question): Promise<Times | undefined> {
   const margin = vscode.workspace.getConfiguration(SECTION).get<number>('run.margin', 1.2);
   const all = ['wcet', 'import', ...given, '--diff', '--format', 'json', '--margin', String(margin)];
@@ -189,7 +184,9 @@ async function placed(times: Times | undefined): Promise<Map<string, { offset: n
   for (const all of places.values()) {
     const place = all[0]?.place;
     if (place === undefined || place === null) continue;
-    const document = await vscode.workspace.openTextDocument(place.file);
+    // A file that has gone since has no hints.
+    const document = await vscode.workspace.openTextDocument(place.file).then((it) => it, () => undefined);
+    if (document === undefined) continue;
     const greatest = Math.max(...all.map((it) => it.greatest));
     const tooltip = all.map((it) => `${it.codel}: at most ${time(it.greatest)}, ${time(it.mean)} on average, in ${it.runs} ${it.runs === 1 ? 'run' : 'runs'}`).join('\n');
     const hint = { offset: document.offsetAt(rangeOf(place.range).end), label: `‹took ${time(greatest)}›`, tooltip };

@@ -2,8 +2,9 @@
 import { dirname } from 'node:path';
 import * as vscode from 'vscode';
 import type { Server } from '../client';
-import { notRunning } from '../commands/server';
+import { ready } from '../commands/server';
 import { explicitSettings, serverSettings } from '../config';
+import { reported } from '../failure';
 import { SidePanel } from '../panel/panel';
 import { offerTrust } from '../restricted';
 import { LANGUAGE, SCENARIO } from '../protocol';
@@ -11,6 +12,7 @@ import type { FromPage, Ran, RunView, ToPage } from './messages';
 import { MeasuredTimes } from './measured';
 import { page } from './page';
 import { Run, type Host, type Reading } from './process';
+import { done } from '../walkthrough';
 
 /** A port may be written a thousand times a second; nobody sees that. */
 const SHOWN_EVERY_MS = 150;
@@ -79,11 +81,9 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
       return offerTrust('Components are run and simulated in trusted folders only.');
     }
     const file = vscode.Uri.parse(uri);
+    if (this.server.info === undefined) await ready(this.server);
     const { info } = this.server;
-    if (info === undefined) {
-      await notRunning(this.server);
-      return;
-    }
+    if (info === undefined) return;
     if (file.scheme !== 'file' || !(await vscode.workspace.saveAll(false))) {
       void vscode.window.showWarningMessage('What runs is read from the disk: save the files first.');
       return;
@@ -95,7 +95,7 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
     const reading: Reading = explicitSettings(['includePaths', 'defines', 'release'], file);
     const waiting = debug ? (host: Host) => this.waits.fire(host) : undefined;
     this.run = new Run({ command: info.path, env, file: file.fsPath, cwd, clock, waiting, reading }, vscode.workspace.asRelativePath(file), () => this.soon());
-    this.open();
+    await this.open();
     if (this.panel !== undefined) this.panel.title = clock === 'real' || debug ? 'Run' : 'Simulation';
     await this.update();
   }
@@ -119,14 +119,16 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
     this.changed.fire(known === undefined || known === null ? undefined : { unit: known.unit, machines: known.machines, activities: run?.isOver === true ? [] : (view?.progress?.activities ?? []) });
     if (run !== undefined && run !== this.read && run.isOver) {
       this.read = run;
-      await this.measured.ask(run.question);
+      if (view?.clock === 'virtual' && view.report !== null) done('simulate');
+      // The last view is sent without times too.
+      await reported(() => this.measured.ask(run.question));
     }
     if (view !== undefined) this.send({ type: 'run', view: { ...view, times: this.measured.count } });
   }
 
   protected closed(): void {
     this.end();
-    void this.update();
+    void reported(() => this.update());
   }
 
   protected async receive(message: FromPage): Promise<void> {
@@ -154,7 +156,7 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
   }
 
   private soon(): void {
-    this.later ??= setTimeout(() => void this.update(), SHOWN_EVERY_MS);
+    this.later ??= setTimeout(() => void reported(() => this.update()), SHOWN_EVERY_MS);
   }
 
   private end(): void {
@@ -162,7 +164,7 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
     this.later = undefined;
     this.run?.dispose();
     this.run = undefined;
-    void this.measured.ask(undefined);
+    void reported(() => this.measured.ask(undefined));
   }
 }
 

@@ -171,7 +171,7 @@ export function argumentsOf({ file, clock, cwd, waiting, reading }: RunOptions, 
 }
 
 /** How specifications are read, as arguments. */
-function readingOf({ includePaths = [], defines = {}, release = '' }: Reading = {}, cwd: string): string[] {
+export function readingOf({ includePaths = [], defines = {}, release = '' }: Reading = {}, cwd: string): string[] {
   const include = includePaths.flatMap((it) => ['-I', isAbsolute(it) ? it : join(cwd, it)]);
   const defined = Object.entries(defines).filter(([, body]) => body !== false);
   const define = defined.flatMap(([name, body]) => ['-D', body === true ? name : `${name}=${body}`]);

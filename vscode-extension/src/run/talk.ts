@@ -5,7 +5,7 @@ import type { Input, Port, Progress, Service, ViolationEvent } from './messages'
 import { numbers, value } from './values';
 
 /** Values of a series that are kept. */
-const KEPT = 120;
+const KEPT = 60;
 /** Numbers of a port that are plotted. */
 const SERIES = 6;
 const RETRY_MS = 150;
@@ -80,11 +80,16 @@ export class Talk {
     const socket = createConnection(this.path);
     this.socket = socket;
     socket.on('connect', () => {
+      // Answers to requests of an earlier connection do not come.
+      this.requests.clear();
+      for (const it of this.services) it.active = false;
       this.say({ id: 'describe', describe: null });
       this.say({ id: 'progress', progress: null });
       this.say({ id: 'violations', violations: null });
     });
-    socket.on('error', () => {
+    // An error closes the socket too.
+    socket.on('error', () => {});
+    socket.on('close', () => {
       if (!this.ended) this.retry = setTimeout(() => this.connect(), RETRY_MS);
     });
     const heard = (line: string): void => {
@@ -107,14 +112,18 @@ export class Talk {
     this.changed();
   }
 
+  /** Adds what a run has. A second connection describes the same things again. */
   private described(components: Described[]): void {
     for (const { name: component, executed, services, ports } of components) {
-      if (!executed) this.simulated.push(component);
-      for (const it of services) this.services.push({ ...it, name: `${component}.${it.name}`, answer: '', active: false });
+      if (!executed && !this.simulated.includes(component)) this.simulated.push(component);
+      for (const it of services) {
+        const name = `${component}.${it.name}`;
+        if (!this.services.some((known) => known.name === name)) this.services.push({ ...it, name, answer: '', active: false });
+      }
       for (const { name, doc, direction } of ports) {
         if (direction !== 'out') continue;
         const full = `${component}/${name}`;
-        this.ports.push({ name: full, doc, value: '', series: [] });
+        if (!this.ports.some((known) => known.name === full)) this.ports.push({ name: full, doc, value: '', series: [] });
         this.say({ id: full, watch: full });
       }
     }

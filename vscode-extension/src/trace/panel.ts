@@ -2,8 +2,9 @@
 // in the text and in its state machine.
 import * as vscode from 'vscode';
 import type { WorkspaceEdit } from 'vscode-languageclient/node';
-import type { Server } from '../client';
-import { notRunning } from '../commands/server';
+import { overtaken, type Server } from '../client';
+import { ready } from '../commands/server';
+import { reported } from '../failure';
 import { range, reveal } from '../panel/reveal';
 import { diagram, LANGUAGE, SCENARIO, trace as traceRequest, type DiagramAnswer, type NextSteps, type Place, type Remedy, type WhatIf } from '../protocol';
 import { parse, type Trace } from './form';
@@ -15,6 +16,9 @@ const NOTHING = 'No run is shown. Open one from a verification, or a recorded on
 const OLD = 'The text has changed since: this run is of an earlier one.';
 
 const NOT_YET = 'The run is not known at the moment: the text is being verified. Ask for it again.';
+
+/** A request that a change has overtaken is made again. */
+const ATTEMPTS = 3;
 
 /** Chosen steps: the step of the original run before them, the choices, and the number of steps before each. */
 interface Chosen {
@@ -53,8 +57,12 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
   /** The text has changed since the trace was made. */
   private stale = false;
   private ready = false;
+  /** What is said instead of a trace. */
+  private otherwise: string | undefined;
   // Answers to older questions are dropped.
   private asked = 0;
+  /** Ends the request for a state machine. */
+  private drawing: vscode.CancellationTokenSource | undefined;
   private readonly machines = new Map<string, Promise<DiagramAnswer | null>>();
   private readonly mark = vscode.window.createTextEditorDecorationType({
     backgroundColor: new vscode.ThemeColor('editor.rangeHighlightBackground'),
@@ -95,7 +103,7 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
     this.view = view;
     this.ready = false;
     view.webview.options = { enableScripts: true, localResourceRoots: [vscode.Uri.joinPath(this.extension, 'dist')] };
-    view.webview.onDidReceiveMessage((message: FromPage) => this.receive(message));
+    view.webview.onDidReceiveMessage((message: FromPage) => void reported(() => this.receive(message)));
     view.onDidChangeVisibility(() => !view.visible && this.highlight(undefined));
     view.onDidDispose(() => {
       this.view = undefined;
@@ -113,24 +121,26 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
       void vscode.window.showInformationMessage('Open a specification (.gen) or a scenario (.scn) first.');
       return;
     }
-    const { running: client } = this.server;
-    if (client === undefined) {
-      await notRunning(this.server);
-      return;
-    }
+    const client = await ready(this.server);
+    if (client === undefined) return;
     const asked = ++this.asked;
     await vscode.commands.executeCommand(`${VIEW}.focus`);
     let trace: (Trace & { check: number; remedies?: Remedy[] }) | null;
-    try {
-      const { uri, check, whatIf } = wanted;
-      trace = await client.sendRequest(traceRequest, {
-        textDocument: { uri },
-        ...(typeof check === 'number' ? { check } : {}),
-        ...(whatIf === undefined ? {} : { whatIf }),
-      });
-    } catch {
-      void vscode.window.showWarningMessage('The text changed while the run was looked for. Ask for it again.');
-      return;
+    for (let attempt = 1; ; attempt++) {
+      try {
+        const { uri, check, whatIf } = wanted;
+        trace = await client.sendRequest(traceRequest, {
+          textDocument: { uri },
+          ...(typeof check === 'number' ? { check } : {}),
+          ...(whatIf === undefined ? {} : { whatIf }),
+        });
+        break;
+      } catch (error) {
+        if (asked !== this.asked) return;
+        if (overtaken(error) && attempt < ATTEMPTS) continue;
+        void vscode.window.showWarningMessage('The text changed while the run was looked for. Ask for it again.');
+        return;
+      }
     }
     if (asked !== this.asked) return;
     this.target = wanted;
@@ -163,10 +173,17 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
     this.chosen = chosen;
     this.listed = undefined;
     this.machines.clear();
-    this.send({ type: 'notice', text: '' });
-    if (trace === undefined) this.send({ type: 'nothing', text: otherwise });
-    else this.sendTrace(trace);
+    this.otherwise = otherwise;
+    this.sendAll();
     if (trace === undefined) this.highlight(undefined);
+  }
+
+  /** Sends all that a page shows, also to a page that was not ready before. */
+  private sendAll(): void {
+    const { trace, otherwise } = this;
+    this.send({ type: 'notice', text: this.stale ? OLD : '' });
+    if (trace !== undefined) this.sendTrace(trace);
+    else if (otherwise !== undefined) this.send({ type: 'nothing', text: otherwise });
   }
 
   private sendTrace(trace: Trace): void {
@@ -182,8 +199,7 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
     switch (message.type) {
       case 'ready':
         this.ready = true;
-        if (this.trace !== undefined) this.sendTrace(this.trace);
-        return;
+        return this.sendAll();
       case 'choices':
         return this.choices(message.step);
       case 'take':
@@ -318,7 +334,15 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
     const key = `${uri} ${start.line}:${start.character}`;
     let known = this.machines.get(key);
     if (known === undefined) {
-      known = client.sendRequest(diagram, { textDocument: { uri }, position: start, kind: 'fsm', theme: 'editor' });
+      this.drawing?.cancel();
+      const drawing = new vscode.CancellationTokenSource();
+      this.drawing = drawing;
+      drawing.token.onCancellationRequested(() => this.machines.delete(key));
+      const over = () => {
+        if (this.drawing === drawing) this.drawing = undefined;
+      };
+      known = client.sendRequest(diagram, { textDocument: { uri }, position: start, kind: 'fsm', theme: 'editor' }, drawing.token);
+      known.then(over, over);
       this.machines.set(key, known);
     }
     try {
@@ -327,8 +351,8 @@ export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvide
       const inside = ({ place }: DiagramAnswer['nodes'][number]) => place !== null && range(place.range).contains(new vscode.Position(start.line, start.character));
       return { title: answer.title, svg: answer.picture, node: answer.nodes.find(inside)?.id ?? null };
     } catch {
-      // Overtaken by an edit.
-      this.machines.delete(key);
+      // Overtaken by an edit, or by another step.
+      if (this.machines.get(key) === known) this.machines.delete(key);
       return null;
     }
   }

@@ -3,7 +3,7 @@
 import * as vscode from 'vscode';
 import { WorkDoneProgress } from 'vscode-languageclient/node';
 import type { Server } from '../client';
-import { notRunning } from '../commands/server';
+import { ready } from '../commands/server';
 import { SidePanel } from '../panel/panel';
 import { reveal } from '../panel/reveal';
 import { LANGUAGE, SCENARIO, sensitivity, verification, type VerificationAnswer, type WhatIf } from '../protocol';
@@ -11,6 +11,7 @@ import type { TraceTarget } from '../trace/panel';
 import type { FromPage, Limits, Subject, ToPage } from './messages';
 import { page } from './page';
 import { writeOut } from './writeOut';
+import { done } from '../walkthrough';
 
 const NO_LIMITS: Limits = { state: 'none', text: '' };
 
@@ -68,14 +69,11 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
       void vscode.window.showInformationMessage('Open a specification (.gen) or a scenario (.scn) first.');
       return;
     }
-    if (this.server.running === undefined) {
-      await notRunning(this.server);
-      return;
-    }
+    if ((await ready(this.server)) === undefined) return;
     this.subject = { uri, ...(typeof target?.check === 'number' ? { check: target.check } : {}) };
     this.pinned = null;
     this.endSearch(NO_LIMITS);
-    this.open();
+    await this.open();
     await this.ask();
   }
 
@@ -168,6 +166,7 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
       return;
     }
     this.answer = answer;
+    if (answer.status !== 'running') done('verify');
     this.panel.title = `Verification: ${answer.scenario}`;
     // Somebody looks at this run: it does not disappear under their eyes.
     const { pinned } = this;

@@ -1,29 +1,42 @@
 // A picture that can be zoomed and moved: shared by the pages.
+import { COMFORTABLE, fitting, LEGIBLE, opening, type Size } from './geometry';
 
-/** Letters of 9 of 11 pixels can be read: at a smaller scale, a picture is larger than its view and is scrolled. */
-const READABLE = 9 / 11;
+/** The smallest scale that buttons and keys reach; a fitted picture may be smaller. */
+const LEAST = 0.2;
+
+/** How a picture has its size: as it opened, by Fit, or by hand. */
+type Mode = 'opened' | 'fitted' | 'free';
 
 export class Canvas {
   private scale = 1;
-  private fitted = true;
-  private size: { width: number; height: number } | undefined;
+  private mode: Mode = 'opened';
+  private size: Size | undefined;
+  /** All of the picture was in the view when it was sized last. */
+  private whole = true;
+  /** A wide picture is laid out for the width of the view, and may be scrolled down. */
+  private flows = false;
 
   constructor(
     private readonly view: HTMLElement,
     /** What is clicked instead of moved. */
     private readonly links: string,
+    /** Brings the part that is read first to the middle: the picture is larger than the view. */
+    private readonly begin: () => void,
   ) {
     view.addEventListener('wheel', (event) => this.wheel(event), { passive: false });
     view.addEventListener('pointerdown', (event) => this.pan(event));
-    window.addEventListener('resize', () => this.fitted && this.fit(READABLE));
+    window.addEventListener('resize', () => this.resize());
     const click = (id: string, action: () => void) => document.getElementById(id)?.addEventListener('click', action);
     click('in', () => this.zoomBy(1.25));
     click('out', () => this.zoomBy(0.8));
     click('fit', () => this.fit());
   }
 
-  /** Shows a picture instead of the last one, at the same zoom. */
-  show(svg: string, width: number, height: number): void {
+  /**
+   * Shows a picture. Another picture opens: whole if that is legible, or else at its natural size.
+   * A new version of the last picture has the last scale.
+   */
+  show(svg: string, size: Size, { isOther, flows }: { isOther: boolean; flows: boolean }): void {
     const parsed = new DOMParser().parseFromString(svg, 'image/svg+xml').documentElement;
     // The page's policy allows no style elements but its own; a constructed sheet is not one.
     const style = parsed.querySelector('style');
@@ -31,10 +44,19 @@ export class Canvas {
     sheet.replaceSync(style?.textContent ?? '');
     document.adoptedStyleSheets = [sheet];
     style?.remove();
+    const isFirst = this.size === undefined || isOther;
+    this.size = size;
+    this.flows = flows;
+    // In the last scale at once: the scrollbars stay where they are.
+    this.resizeTo(parsed, this.scale);
     this.view.replaceChildren(document.importNode(parsed, true));
-    this.size = { width, height };
-    if (this.fitted) this.fit(READABLE);
-    else this.zoom(this.scale);
+    if (isFirst) {
+      if (this.mode === 'fitted') this.mode = 'opened';
+      this.whole = true;
+    }
+    if (this.mode === 'free') {
+      if (isFirst) this.begin();
+    } else this.resize();
   }
 
   /** Pixels of the window for one of the picture. */
@@ -44,14 +66,15 @@ export class Canvas {
 
   /** What is shown next is as large as this. */
   keep(): void {
-    this.fitted = false;
+    this.mode = 'free';
   }
 
   /** Brings an element to the middle, large enough to be read. */
   centre(element: Element): void {
-    if (this.scale < READABLE) {
-      this.fitted = false;
-      this.zoom(READABLE);
+    if (this.scale < LEGIBLE) {
+      this.mode = 'opened';
+      this.whole = false;
+      this.zoom(this.flows ? COMFORTABLE : 1);
     }
     element.scrollIntoView({ block: 'center', inline: 'center' });
   }
@@ -61,18 +84,15 @@ export class Canvas {
     this.size = undefined;
   }
 
-  /** All of the picture, at a scale of at least so much. */
-  fit(least = 0): void {
-    if (this.size === undefined) return;
-    this.fitted = true;
-    const { clientWidth, clientHeight } = this.view;
-    const width = (clientWidth - 4) / this.size.width;
-    this.zoom(Math.max(least, Math.min(1.4, width, (clientHeight - 4) / this.size.height)));
+  /** Shows all of the picture: a small one is enlarged, a large one is reduced. */
+  fit(): void {
+    this.mode = 'fitted';
+    this.resize();
   }
 
   zoomBy(factor: number, at?: MouseEvent): void {
-    this.fitted = false;
-    this.zoom(this.scale * factor, at);
+    this.mode = 'free';
+    this.zoom(Math.min(8, Math.max(Math.min(LEAST, this.scale), this.scale * factor)), at);
   }
 
   /** `+`, `-` and `0`; whether it was one of them. */
@@ -84,7 +104,34 @@ export class Canvas {
     return true;
   }
 
-  /** Sets the scale; what is at a place of the window (the middle of the view if none is given) stays there. */
+  /** Sizes the picture for the view, unless it is sized by hand. */
+  private resize(): void {
+    if (this.size === undefined || this.mode === 'free') return;
+    if (this.mode === 'fitted') return this.zoom(fitting(this.size, this.room()));
+    if (this.flows) return this.zoom(Math.max(COMFORTABLE, fitting(this.size, this.room(true))));
+    const { scale, whole } = opening(this.size, this.room());
+    const wasWhole = this.whole;
+    this.whole = whole;
+    this.zoom(scale);
+    // A picture that was larger before stays where it is scrolled to.
+    if (!whole && wasWhole) this.begin();
+  }
+
+  /** The size of the view without its padding. A fitted picture needs no scrollbars. */
+  private room(withScrollbars = false): Size {
+    const { view } = this;
+    const style = getComputedStyle(view);
+    const padding = (side: string) => Number.parseFloat(style.getPropertyValue(`padding-${side}`)) || 0;
+    const [width, height] = withScrollbars ? [view.clientWidth, view.clientHeight] : [view.offsetWidth, view.offsetHeight];
+    return { width: width - padding('left') - padding('right'), height: height - padding('top') - padding('bottom') };
+  }
+
+  private resizeTo(svg: Element, scale: number): void {
+    svg.setAttribute('width', String((this.size?.width ?? 0) * scale));
+    svg.setAttribute('height', String((this.size?.height ?? 0) * scale));
+  }
+
+  /** Sets the scale. The point at a place of the window, or else in the middle of the view, stays there. */
   private zoom(to: number, at?: { clientX: number; clientY: number }): void {
     const svg = this.view.querySelector('svg');
     if (svg === null || this.size === undefined) return;
@@ -92,9 +139,8 @@ export class Canvas {
     const { clientX, clientY } = at ?? { clientX: box.left + box.width / 2, clientY: box.top + box.height / 2 };
     const before = svg.getBoundingClientRect();
     const [x, y] = [(clientX - before.left) / before.width, (clientY - before.top) / before.height];
-    this.scale = Math.min(8, Math.max(0.2, to));
-    svg.setAttribute('width', String(this.size.width * this.scale));
-    svg.setAttribute('height', String(this.size.height * this.scale));
+    this.scale = to;
+    this.resizeTo(svg, to);
     const after = svg.getBoundingClientRect();
     this.view.scrollBy(after.left + x * after.width - clientX, after.top + y * after.height - clientY);
   }

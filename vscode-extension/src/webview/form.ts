@@ -1,5 +1,6 @@
 // Fields of a form, made from the schema of a value.
 import { value, type Schema } from '../run/values';
+import { node } from './element';
 
 /** What a value is typed into. */
 export interface Field {
@@ -10,13 +11,6 @@ export interface Field {
 
 /** An array with more elements is a text. */
 const ELEMENTS = 16;
-
-function node<K extends keyof HTMLElementTagNameMap>(tag: K, className: string, ...content: (Node | string)[]): HTMLElementTagNameMap[K] {
-  const it = document.createElement(tag);
-  it.append(...content);
-  if (className !== '') it.className = className;
-  return it;
-}
 
 /** A field for a value of a name; `initial` is what it holds at first. */
 export function field(name: string, schema: Schema, initial: unknown = schema.default): Field {
@@ -35,9 +29,9 @@ export function field(name: string, schema: Schema, initial: unknown = schema.de
 
 /** A control with its name, unit and doc text. */
 function labelled(name: string, { unit, description }: Schema, control: HTMLElement): HTMLElement {
-  const label = node('label', 'field', node('span', 'label', name), control);
-  if (unit !== undefined) label.append(node('span', 'unit', unit));
-  if (description !== undefined) label.append(node('span', 'about', description));
+  const label = node('label', [node('span', name, 'label'), control], 'field');
+  if (unit !== undefined) label.append(node('span', unit, 'unit'));
+  if (description !== undefined) label.append(node('span', description, 'about'));
   // Else screen readers would tell all choices as the name.
   control.setAttribute('aria-label', name);
   const said = [unit, description].filter((it) => it !== undefined);
@@ -87,10 +81,10 @@ function chosen(name: string, schema: Schema, names: string[], initial: unknown)
 }
 
 function group(name: string, { unit, description }: Schema, ...content: Node[]): HTMLFieldSetElement {
-  const legend = node('legend', '', name);
-  if (unit !== undefined) legend.append(' ', node('span', 'unit', unit));
-  if (description !== undefined) legend.append(' ', node('span', 'about', description));
-  return node('fieldset', '', legend, ...content);
+  const legend = node('legend', name);
+  if (unit !== undefined) legend.append(' ', node('span', unit, 'unit'));
+  if (description !== undefined) legend.append(' ', node('span', description, 'about'));
+  return node('fieldset', [legend, ...content]);
 }
 
 function members(name: string, schema: Schema, properties: Record<string, Schema>, initial: unknown): Field {
@@ -109,9 +103,9 @@ function elements(name: string, schema: Schema, items: Schema, initial: unknown)
   const { minItems = 0, maxItems = Infinity } = schema;
   const given = Array.isArray(initial) ? initial : [];
   const all: Field[] = [];
-  const list = node('div', 'elements');
-  const more = node('button', 'more', 'Add');
-  const less = node('button', 'less', 'Remove');
+  const list = node('div', [], 'elements');
+  const more = node('button', 'Add', 'more');
+  const less = node('button', 'Remove', 'less');
   const add = (value?: unknown): void => {
     const it = field(`${name}[${all.length}]`, items, value ?? items.default);
     all.push(it);
@@ -147,9 +141,9 @@ function optional(name: string, schema: Schema, of: Schema, initial: unknown): F
   const inner = field(name, { ...of, ...said }, initial ?? of.default);
   inner.node.hidden = !given.checked;
   given.addEventListener('change', () => (inner.node.hidden = !given.checked));
-  const head = node('label', 'field', given, node('span', 'label', `${name} is given`));
+  const head = node('label', [given, node('span', `${name} is given`, 'label')], 'field');
   // Of a number that is not typed null would mean that it is not given.
-  return { node: node('div', 'optional', head, inner.node), read: () => (given.checked ? (inner.read() ?? zero(of)) : null) };
+  return { node: node('div', [head, inner.node], 'optional'), read: () => (given.checked ? (inner.read() ?? zero(of)) : null) };
 }
 
 function zero({ type }: Schema): unknown {

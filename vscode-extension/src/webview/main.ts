@@ -1,13 +1,14 @@
 // The page of the preview: shows what it is sent, and tells what is done to it. It lays out nothing.
+import './main.css';
 import type { FromPage, Live, Shown, Subject, ToPage } from '../preview/messages';
 import { Canvas } from './canvas';
 import { draggable } from './drag';
+import { element, node } from './element';
 import { overlay } from './live';
 
 declare function acquireVsCodeApi(): { postMessage(message: FromPage): void; setState(state: Subject): void };
 
 const host = acquireVsCodeApi();
-const element = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
 const view = element('view');
 const details = element('details');
 const search = element<HTMLInputElement>('search');
@@ -17,7 +18,7 @@ const SHOWN_AT_FIRST: readonly string[] = ['wcet', 'load'];
 /** How far a key moves a node, in pixels. */
 const STEP = 20;
 
-const canvas = new Canvas(view, 'g.node');
+const canvas = new Canvas(view, 'g.node', begin);
 
 let shown: Shown | undefined;
 let live: Live | undefined;
@@ -29,6 +30,8 @@ let choosing = false;
 let hit = 0;
 /** What was last opened or moved: it stays where it is in the window. */
 let held: string | undefined;
+/** The picture opened larger than the view: the state at the cursor, which comes next, goes to the middle. */
+let opened = false;
 
 function nodes(): SVGGElement[] {
   return [...view.querySelectorAll<SVGGElement>('g.node')];
@@ -39,11 +42,14 @@ function draw(next: Shown): void {
   const { kind: ofKind, component, owner } = next.subject;
   const before = shown?.subject;
   // A state of the same name in another machine is another state.
-  if (before?.kind !== ofKind || before.component !== component || before.owner !== owner) selected = undefined;
+  const isOther = before?.kind !== ofKind || before.component !== component || before.owner !== owner;
+  if (isOther) selected = current = undefined;
   shown = next;
   host.setState(next.subject);
+  // Before the picture: the tools decide how much room the picture has.
+  showTools(next);
   const placed = byId(held)?.getBoundingClientRect();
-  canvas.show(next.svg, next.width, next.height);
+  canvas.show(next.svg, { width: next.width, height: next.height }, { isOther, flows: ofKind === 'system' });
   const after = byId(held)?.getBoundingClientRect();
   if (placed !== undefined && after !== undefined) view.scrollBy(after.left - placed.left, after.top - placed.top);
   held = undefined;
@@ -62,18 +68,40 @@ function draw(next: Shown): void {
       node.focus({ preventScroll: true });
     }
   }
-  if (selected === undefined) describe([]);
-  kind.value = next.subject.kind;
-  for (const name of OPTIONS) element<HTMLInputElement>(name).checked = next.subject.options[name] ?? SHOWN_AT_FIRST.includes(name);
-  for (const tool of document.querySelectorAll<HTMLElement>('.fsm, .system')) tool.hidden = !tool.classList.contains(ofKind);
-  element('chainless').hidden = !next.withoutChains;
-  element('arrange').hidden ||= !next.arranged;
-  if (ofKind !== 'fsm') choosing = false;
-  tell();
-  element('legend').hidden = next.subject.kind !== 'fsm';
   mark();
   find();
   showLive();
+}
+
+/** Shows the tools of the kind of picture, and what they are set to. */
+function showTools({ subject, withoutChains, arranged }: Shown): void {
+  if (selected === undefined) describe([]);
+  kind.value = subject.kind;
+  for (const name of OPTIONS) element<HTMLInputElement>(name).checked = subject.options[name] ?? SHOWN_AT_FIRST.includes(name);
+  for (const tool of document.querySelectorAll<HTMLElement>('.fsm, .system')) tool.hidden = !tool.classList.contains(subject.kind);
+  element('chainless').hidden = !withoutChains;
+  element('arrange').hidden ||= !arranged;
+  if (subject.kind !== 'fsm') choosing = false;
+  tell();
+  element('legend').hidden = subject.kind !== 'fsm';
+}
+
+/** Brings the part of a large picture that is read first to the middle: the first state, until the cursor is known. */
+function begin(): void {
+  const first = nodes().find((it) => it.dataset['names']?.split(' ').includes('start'));
+  const node = byId(current) ?? first ?? nodes()[0];
+  opened = true;
+  if (node !== undefined) canvas.centre(node);
+}
+
+/** Marks the state at the cursor, and shows it. */
+function highlight(id: string | undefined): void {
+  current = id;
+  mark();
+  const node = byId(id);
+  if (opened && node !== undefined) canvas.centre(node);
+  else reveal(node);
+  opened = false;
 }
 
 function showLive(): void {
@@ -199,30 +227,22 @@ function choose(id: string | undefined, jump: boolean): void {
 }
 
 function describe(diagnostics: string[]): void {
-  const node = shown?.nodes.find((it) => it.id === selected);
-  details.hidden = node === undefined;
-  if (node === undefined) return;
-  const title = document.createElement('h2');
-  title.textContent = node.codel?.name ?? node.lines[0] ?? node.description;
-  const list = document.createElement('dl');
-  const row = (name: string, values: string[]) => {
-    if (values.length === 0) return;
-    const term = document.createElement('dt');
-    term.textContent = name;
-    const value = document.createElement('dd');
-    value.textContent = values.join('\n');
-    list.append(term, value);
-  };
-  if (node.codel === null) {
-    row('what', [node.description]);
-  } else {
-    row('states', [node.codel.states.join(', ') + (node.codel.async ? ' (async)' : '')]);
-    row('parameters', node.codel.params);
-    row('wcet', node.codel.wcet === null || node.codel.wcet === '∞' ? [] : [`≤ ${node.codel.wcet}`]);
-    row('excludes', node.codel.excludes);
-  }
-  row('problems', diagnostics);
-  details.replaceChildren(title, list);
+  const it = shown?.nodes.find(({ id }) => id === selected);
+  details.hidden = it === undefined;
+  if (it === undefined) return;
+  const { codel } = it;
+  const rows: [string, string[]][] =
+    codel === null
+      ? [['what', [it.description]]]
+      : [
+          ['states', [codel.states.join(', ') + (codel.async ? ' (async)' : '')]],
+          ['parameters', codel.params],
+          ['wcet', codel.wcet === null || codel.wcet === '∞' ? [] : [`≤ ${codel.wcet}`]],
+          ['excludes', codel.excludes],
+        ];
+  const told = [...rows, ['problems', diagnostics] as const].filter(([, values]) => values.length > 0);
+  const list = told.flatMap(([name, values]) => [node('dt', name), node('dd', values.join('\n'))]);
+  details.replaceChildren(node('h2', codel?.name ?? it.lines[0] ?? it.description), node('dl', list));
 }
 
 function find(): void {
@@ -277,9 +297,7 @@ window.addEventListener('message', ({ data }: MessageEvent<ToPage>) => {
       live = data.live;
       return showLive();
     case 'highlight':
-      current = data.id;
-      mark();
-      return reveal(nodes().find((it) => it.dataset['id'] === current));
+      return highlight(data.id);
     case 'diagnostics':
       return data.id === selected ? describe(data.messages) : undefined;
     case 'raster':

@@ -1,34 +1,23 @@
 // The page of a run: draws what it is sent, and tells what is done to it.
-import type { FromPage, Port, Report, RunView, Service, ToPage, Violation, ViolationEvent } from '../run/messages';
-import { field } from './form';
+import './run.css';
+import type { Report, RunView, ToPage, Violation, ViolationEvent } from '../run/messages';
+import { element, node, number, percent } from './element';
+import { bar, plot } from './plot';
+import { showPorts } from './ports';
+import { Services, type Host } from './services';
+import { checked, componentLines, Loads, matches } from './summary';
 import { shownUnit } from './unit';
 import { update } from './update';
 
-/** What is typed into the forms of a run: the page is made anew when it is shown again, and this is what is kept. */
-interface Typed {
-  /** Of the run. */
-  name: string;
-  inputs: Record<string, Record<string, unknown>>;
-}
-
-declare function acquireVsCodeApi(): { postMessage(message: FromPage): void; getState(): Typed | undefined; setState(state: Typed): void };
+declare function acquireVsCodeApi(): Host;
 
 const host = acquireVsCodeApi();
-const element = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
+const filter = element<HTMLInputElement>('filter');
+const services = new Services(element('services'), host);
+let loads = new Loads();
+let shown: RunView | undefined;
 const STATES: Record<RunView['state'], string> = { starting: 'starting …', running: 'running …', stopping: 'stopping …', ended: 'ended', failed: 'could not run' };
 const ENDS: Record<string, string> = { done: '', 'nothing-left': 'nothing was left to happen', standstill: 'time stood still', stopped: 'stopped at a violation', measure: 'ended by a measure', interrupted: 'stopped' };
-
-function node<K extends keyof HTMLElementTagNameMap>(tag: K, content: (Node | string)[] | string = '', className = ''): HTMLElementTagNameMap[K] {
-  const it = document.createElement(tag);
-  it.append(...(typeof content === 'string' ? [content] : content));
-  if (className !== '') it.className = className;
-  return it;
-}
-
-/** A number of a report, to what can be read. */
-const number = (it: number | undefined) => (it === undefined ? '–' : String(Number(it.toPrecision(4))));
-
-const percent = (share: number) => `${(100 * share).toFixed(share < 0.0995 ? 1 : 0)} %`;
 
 /** A column is of numbers where its name begins with `#`. */
 function table(id: string, names: string[], rows: (Node | string)[][]): void {
@@ -44,16 +33,30 @@ function table(id: string, names: string[], rows: (Node | string)[][]): void {
   update(section.querySelector('table') as Element, [node('thead', [head]), node('tbody', all)]);
 }
 
+/** Makes wide tables reachable by keyboard: a table that is scrolled sideways takes the focus. */
+function reachTables(): void {
+  for (const it of document.querySelectorAll<HTMLElement>('.tables')) {
+    const isCut = it.scrollWidth > it.clientWidth;
+    if (isCut === it.hasAttribute('tabindex')) continue;
+    const title = it.parentElement?.querySelector('h2, summary')?.textContent ?? 'Table';
+    for (const [name, value] of [['tabindex', '0'], ['role', 'group'], ['aria-label', title]] as const) {
+      if (isCut) it.setAttribute(name, value);
+      else it.removeAttribute(name);
+    }
+  }
+}
+
 function list(id: string, lines: string[]): void {
   const section = element(id);
   section.hidden = lines.length === 0;
   update(section.querySelector('ul') as Element, lines.map((it) => node('li', it)));
 }
 
-/** What violates a check, in words: in the report, or told at the socket. */
-function checked(it: Violation, { checks }: Report): string {
-  const check = checks[it.check ?? -1];
-  return check === undefined ? 'a check' : `${check.check} ${check.of}`;
+/** Changes a scrolled text. The end stays in sight if it was in sight. */
+function following(box: HTMLElement, change: () => void): void {
+  const atEnd = box.scrollTop + box.clientHeight >= box.scrollHeight - 4;
+  change();
+  if (atEnd) box.scrollTop = box.scrollHeight;
 }
 
 function violation(it: Violation, written: string, what: string): string {
@@ -101,7 +104,7 @@ function showHead({ name, clock, debug, state, report, progress, simulated, hasT
 /** A verdict in the words of `dotgen run`. */
 const said = (it: string) => ({ seen: 'kept', 'not-seen': 'not exercised', 'not-exercised': 'not exercised' })[it] ?? it;
 
-/** The verdict of a check in the words of `dotgen run`, with the reason why the run shows nothing about it. */
+/** The verdict of a check in the words of `dotgen run`, with the reason if the run shows nothing about it. */
 function verdict(it: Report['checks'][number]): HTMLElement {
   const word = said(it.verdict);
   return node('span', it.why === undefined ? word : `${word}: ${it.why}`, it.verdict === 'violated' ? 'violated' : '');
@@ -111,13 +114,14 @@ function showReport({ report, progress, violations }: RunView): void {
   const known = report ?? progress;
   const unit = shownUnit(known?.unit ?? '');
   const told = (it: ViolationEvent) => violation(it.violation, it.unit, it.what);
-  list('violations', report === null ? violations.filter((it) => it !== undefined).map(told) : report.violations.map((it) => violation(it, report.unit, checked(it, report))));
+  const lines = report === null ? violations.filter((it) => it !== undefined).map(told) : report.violations.map((it) => violation(it, report.unit, checked(it, report)));
+  following(element('violated'), () => list('violations', lines));
   // The unit once, over all of its columns.
   for (const [id, title] of [['tasks', 'Tasks'], ['checks', 'Checks']] as const) (element(id).querySelector('h2') as Element).textContent = `${title}, times in ${unit}`;
   table('tasks', ['task', '#load', '#jobs', '#mean', '#greatest', '#bound', '#period', '#missed'], (known?.tasks ?? []).map((it) => {
     const beyond = it.greatest !== undefined && it.bound !== undefined && it.greatest > it.bound;
     const greatest = node('span', number(it.greatest), beyond ? 'violated' : '');
-    return [it.task, it.load === undefined ? '' : percent(it.load), String(it.jobs), number(it.mean), greatest, number(it.bound), number(it.period), node('span', String(it.missed), it.missed > 0 ? 'violated' : '')];
+    return [it.task, bar(it.load), String(it.jobs), number(it.mean), greatest, number(it.bound), number(it.period), node('span', String(it.missed), it.missed > 0 ? 'violated' : '')];
   }));
   table('checks', ['check', 'of', 'verdict', '#greatest', '#limit'], (report?.checks ?? []).map((it) => [
     it.name === undefined ? it.check : `${it.name}: ${it.check}`,
@@ -135,84 +139,33 @@ function showReport({ report, progress, violations }: RunView): void {
   list('assumptions', [...(report?.assumptions ?? []), ...requests, ...(report?.notes ?? [])]);
 }
 
-/** What was typed into the forms of a run. */
-function typed(name: string): Typed {
-  const state = host.getState();
-  return state?.name === name ? state : { name, inputs: {} };
+/** A line for each component: its load since the start, its last loads, and what went wrong. */
+function showComponents(view: RunView): void {
+  const lines = componentLines(view);
+  const { progress, report } = view;
+  // A run begins without a report.
+  if (report === null && progress === null) loads = new Loads();
+  if (report === null && progress !== null) loads.add(progress.time, lines);
+  const count = (it: number) => node('span', String(it), it > 0 ? 'violated' : '');
+  const followed = lines.some((it) => loads.of(it.name).length > 1);
+  const recent = (name: string) => (loads.of(name).length > 1 ? plot(loads.of(name), '', `load of ${name}`, percent) : '');
+  const known = report !== null || progress !== null || view.violations.length > 0;
+  const names = ['component', '#violations', '#missed', 'load', ...(followed ? ['last loads'] : [])];
+  const rows = lines.map((it) => [it.name, count(it.violations), count(it.missed), bar(it.load), ...(followed ? [recent(it.name)] : [])]);
+  table('components', names, known ? rows : []);
 }
 
-/** What is typed into a form stays, so a form is made once; only its answer changes. */
-function showServices(run: string, services: Service[], over: boolean): void {
-  const section = element('services');
-  section.hidden = services.length === 0;
-  const all = section.querySelector('.all') as Element;
-  const names = services.map((it) => it.name).join(' ');
-  if (section.dataset['names'] !== names) {
-    section.dataset['names'] = names;
-    all.replaceChildren(...services.map((it) => form(run, it)));
-  }
-  services.forEach((it, i) => {
-    const made = all.children[i];
-    const answer = made?.querySelector('.answer');
-    if (answer && answer.textContent !== it.answer) answer.textContent = it.answer;
-    const [send, abort] = made?.querySelectorAll<HTMLButtonElement>('.foot button') ?? [];
-    if (send !== undefined) send.disabled = over;
-    if (abort !== undefined) abort.hidden = over || !it.active;
-  });
-}
-
-function form(run: string, { name, doc, inputs }: Service): HTMLElement {
-  const send = node('button', 'Send');
-  send.setAttribute('aria-label', `Send ${name}`);
-  const abort = node('button', 'Interrupt');
-  abort.type = 'button';
-  abort.hidden = true;
-  abort.setAttribute('aria-label', `Interrupt ${name}`);
-  abort.addEventListener('click', () => host.postMessage({ type: 'abort', service: name }));
-  const before = typed(run).inputs[name] ?? {};
-  const fields = inputs.map((it) => [it.name, field(it.name, it.schema, before[it.name])] as const);
-  const given = () => Object.fromEntries(fields.map(([name, it]) => [name, it.read()] as const).filter(([, it]) => it !== undefined));
-  const answer = node('span', '', 'answer');
-  answer.setAttribute('role', 'status');
-  const head = node('div', [node('span', name, 'name'), ...(doc ? [node('span', doc, 'doc')] : [])], 'head');
-  const inside = node('div', fields.map(([, it]) => it.node), 'fields');
-  const made = node('form', [head, inside, node('div', [send, abort, answer], 'foot')]);
-  made.setAttribute('aria-label', name);
-  made.addEventListener('submit', (event) => {
-    event.preventDefault();
-    host.postMessage({ type: 'call', service: name, inputs: given() });
-  });
-  const keep = (): void => {
-    const { inputs } = typed(run);
-    host.setState({ name: run, inputs: { ...inputs, [name]: given() } });
-  };
-  // A click makes a list longer or shorter.
-  for (const it of ['input', 'change', 'click']) made.addEventListener(it, keep);
-  return made;
-}
-
-function plot(values: number[], name: string): Node {
-  const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
-  const [least, greatest] = [Math.min(...values), Math.max(...values)];
-  const height = greatest - least || 1;
-  const line = document.createElementNS('http://www.w3.org/2000/svg', 'polyline');
-  line.setAttribute('points', values.map((it, i) => `${(i * 120) / Math.max(1, values.length - 1)},${25 - ((it - least) / height) * 24}`).join(' '));
-  svg.setAttribute('viewBox', '0 0 120 26');
-  svg.setAttribute('role', 'img');
-  svg.setAttribute('aria-label', `${name} from ${number(least)} to ${number(greatest)}, now ${number(values.at(-1))}`);
-  svg.append(line);
-  return node('span', [node('span', name, 'faint'), svg as unknown as Node], 'plot');
-}
-
-function showPorts(ports: Port[]): void {
-  const section = element('ports');
-  section.hidden = ports.length === 0;
-  const all = ports.map(({ name, doc, value, series }) => {
-    const title = node('code', name);
-    if (doc) title.title = doc;
-    return node('div', [title, node('span', value === '' ? 'nothing yet' : value, value === '' ? 'faint' : 'value'), ...series.map((it) => plot(it.values, it.name))], 'port');
-  });
-  update(section.querySelector('.all') as Element, all);
+/** Shows the services and ports that match what is typed into the filter, and opens them. */
+function showFiltered(): void {
+  if (shown === undefined) return;
+  const { name, state, ports } = shown;
+  const text = filter.value.trim();
+  services.show(name, shown.services, state === 'ended' || state === 'failed', text);
+  showPorts(element('ports'), ports, text);
+  filter.hidden = shown.services.length + ports.length === 0;
+  const found = [...shown.services, ...ports].filter((it) => matches(text, it)).length;
+  const said = text === '' ? '' : `${found} found`;
+  if (element('found').textContent !== said) element('found').textContent = said;
 }
 
 function showLog(lines: string[]): void {
@@ -220,18 +173,42 @@ function showLog(lines: string[]): void {
   const log = element('log');
   const text = lines.join('\n');
   if (log.textContent === text) return;
-  const atEnd = log.scrollTop + log.clientHeight >= log.scrollHeight - 4;
-  log.textContent = text;
-  if (atEnd) log.scrollTop = log.scrollHeight;
+  following(log, () => (log.textContent = text));
 }
 
 for (const type of ['stop', 'again', 'trace', 'stubs', 'import'] as const) element(type).addEventListener('click', () => host.postMessage({ type }));
+filter.addEventListener('input', () => {
+  if (shown === undefined) return;
+  host.setState({ ...services.typed(shown.name), filter: filter.value });
+  showFiltered();
+  const first = ['services', 'ports'].map(element).find((it) => !it.hidden);
+  if (filter.value.trim() !== '') first?.scrollIntoView({ block: 'start' });
+});
+filter.addEventListener('keydown', (event) => {
+  if (event.key === 'Enter' && filter.value.trim() !== '') {
+    if (!services.focus()) element('ports').querySelector<HTMLElement>('details:not([hidden]) summary')?.focus();
+  } else if (event.key === 'Escape' && filter.value !== '') {
+    filter.value = '';
+    filter.dispatchEvent(new Event('input'));
+  }
+});
+document.addEventListener('keydown', (event) => {
+  const isTyping = event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement || event.target instanceof HTMLTextAreaElement;
+  if (event.key !== '/' || isTyping || filter.hidden) return;
+  event.preventDefault();
+  filter.focus();
+});
 window.addEventListener('message', ({ data }: MessageEvent<ToPage>) => {
   const { view } = data;
+  if (shown?.name !== view.name) filter.value = services.typed(view.name).filter ?? '';
+  shown = view;
   showHead(view);
+  showComponents(view);
   showReport(view);
-  showServices(view.name, view.services, view.state === 'ended' || view.state === 'failed');
-  showPorts(view.ports);
+  showFiltered();
   showLog(view.log);
+  reachTables();
 });
+window.addEventListener('resize', reachTables);
+element('machines').addEventListener('toggle', reachTables);
 host.postMessage({ type: 'ready' });

@@ -1,18 +1,19 @@
 // The page of the trace viewer: draws the trace it is sent, steps through it, and tells which step is looked at.
+import './trace.css';
 import type { Span, Trace } from '../trace/form';
 import type { FromPage, Machine, Remedy, ToPage } from '../trace/messages';
 import { colours, Painter, RULER, words, type Scene, type Work } from './trace/draw';
 import { Model, opening, type Box, type Window } from './trace/model';
 import { time } from './unit';
 import { Overview } from './trace/overview';
-import { holder, interval, lanesAt, node, rich, told } from './trace/elements';
+import { element, node, rich } from './element';
+import { holder, interval, lanesAt, told } from './trace/elements';
 import { moment } from './trace/moment';
 import { hits, nextHit } from './trace/sums';
 
 declare function acquireVsCodeApi(): { postMessage(message: FromPage): void };
 
 const host = acquireVsCodeApi();
-const element = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
 const view = element('trace');
 const canvas = element<HTMLCanvasElement>('canvas');
 const names = element('names');

@@ -1,12 +1,13 @@
 // The page of the verification panel: shows what it is sent, and tells what is done to it.
+import './verification.css';
 import type { FromPage, Limits, Subject, ToPage } from '../verification/messages';
 import type { Place, VerificationAnswer, WhatIf } from '../protocol';
+import { element, node, rich } from './element';
 import { update } from './update';
 
 declare function acquireVsCodeApi(): { postMessage(message: FromPage): void; setState(state: Subject): void };
 
 const host = acquireVsCodeApi();
-const element = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
 const STATES: Record<VerificationAnswer['status'], string> = {
   stale: 'verifying …',
   running: 'verifying …',
@@ -33,18 +34,6 @@ const CLASSES: Record<VerificationAnswer['checks'][number]['verdict'], string> =
 
 let subject: Subject | undefined;
 let answer: VerificationAnswer | undefined;
-
-function node<K extends keyof HTMLElementTagNameMap>(tag: K, content: (Node | string)[] | string = '', className = ''): HTMLElementTagNameMap[K] {
-  const it = document.createElement(tag);
-  it.append(...(typeof content === 'string' ? [content] : content));
-  if (className !== '') it.className = className;
-  return it;
-}
-
-/** Text in which `this` is code. */
-function rich(text: string): (Node | string)[] {
-  return text.split('`').map((part, i) => (i % 2 === 1 ? node('code', part) : part));
-}
 
 /** The focus stays on what has the same name when it is shown anew. */
 function link(text: string, place: Place | null, action?: () => void, name = text): Node {

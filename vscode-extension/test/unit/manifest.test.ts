@@ -1,5 +1,6 @@
 // package.json agrees with the sources and with what the server reads.
 import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { test } from 'node:test';
@@ -10,8 +11,8 @@ const read = (path: string) => readFileSync(join(root, path), 'utf8');
 const manifest = JSON.parse(read('package.json'));
 const settings: Record<string, { default: unknown; scope?: string; type?: string | string[] }> = manifest.contributes.configuration.properties;
 
-// Run by lenses and actions with arguments of theirs; nothing a person could call from the palette.
-const calledByServer = ['dotgen.showReferences', 'dotgen.tellChanges'];
+// Run by lenses, actions and links with arguments of theirs; nothing a person could call from the palette.
+const calledByServer = ['dotgen.reveal', 'dotgen.showReferences', 'dotgen.tellChanges'];
 
 test('every contributed command is registered, and the reverse', () => {
   const contributed = manifest.contributes.commands.map((it: { command: string }) => it.command);
@@ -41,9 +42,10 @@ test('settings that name programs are restricted in untrusted folders', () => {
   }
 });
 
-test('nothing but the own languages has other defaults', () => {
+test('nothing but the own languages and the list of comments has other defaults', () => {
   const scopes = Object.keys(manifest.contributes.configurationDefaults);
-  assert.deepEqual(scopes.filter((it) => !/^\[genom3(-\w+)?\]$/.test(it)), []);
+  // With its own default, a machine between the lines opens the list of comments.
+  assert.deepEqual(scopes.filter((it) => !/^\[genom3(-\w+)?\]$/.test(it)), ['comments.openView']);
 });
 
 test('settings are checkboxes, lists and fields where they can be', () => {
@@ -70,6 +72,32 @@ test('the walkthrough leads to commands and pictures that are there', () => {
       // Wider than the column beside the steps, a picture is scaled down and its text is too small to read.
       if (media.image !== undefined) assert.ok(readFileSync(join(root, path)).readUInt32BE(16) <= 700, path);
     }
+  }
+});
+
+test('the page of the extension has no picture that VS Code would not show', () => {
+  const pictures = (text: string) => [...text.matchAll(/!\[[^\]]*\]\(([^)\s]*)|<img[^>]*\ssrc="([^"]*)"/g)].map(([, mark, tag]) => mark ?? tag ?? '');
+  const isAbsolute = (it: string) => it.startsWith('https://');
+  // In the sources, a picture is one of the manual, which the package contains.
+  for (const path of pictures(read('README.md')).filter((it) => !isAbsolute(it))) {
+    assert.match(path, /^docs\//);
+    assert.ok(existsSync(join(root, '..', path)), path);
+    assert.ok(read('.vscodeignore').includes('!docs/**\n'));
+  }
+  // VS Code shows none from the package on that page: scripts/readme.mjs leaves them out.
+  execFileSync(process.execPath, ['scripts/readme.mjs']);
+  assert.match(manifest.scripts.package, /readme\.mjs .*--readme-path dist\/readme\.md/);
+  const page = read('dist/readme.md');
+  assert.ok(page.length > 1000);
+  assert.deepEqual(pictures(page).filter((it) => !isAbsolute(it)), []);
+});
+
+test('every key is in the documentation, with its command', () => {
+  const page = read('../docs/editors.md').toLowerCase();
+  const { commands, keybindings } = manifest.contributes;
+  for (const { key, command } of keybindings) {
+    const { title } = commands.find((it: { command: string }) => it.command === command);
+    assert.ok(page.includes(`| \`${key}\` | *dotgen: ${title.toLowerCase()}* |`), key);
   }
 });
 

@@ -99,7 +99,7 @@ pub(super) fn tap(line: &str, outcome: &mut Outcome) {
 
 pub(super) fn vscode() -> Result<Outcome> {
     let server = extension::build_server(Profile::Dev)?;
-    let vsix = extension::package(&server, Profile::Dev)?;
+    let vsix = extension::package(&server)?;
     let workbench = Workbench::set_up()?;
     let scenario = workbench.scenario(&vsix, &[])?;
     step("Driving VS Code; screenshots go to target/shots");
@@ -107,6 +107,9 @@ pub(super) fn vscode() -> Result<Outcome> {
     let succeeded = run::watch(scenario, |line| {
         if let Some(reason) = line.strip_prefix("skipped: ") {
             outcome.skipped.push(format!("vscode: {reason}"));
+        }
+        if line.starts_with("failed: ") {
+            outcome.notes.push(line.to_owned());
         }
         if line.contains(" passed, ") {
             outcome.passed = count(line, " passed");

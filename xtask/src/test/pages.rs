@@ -55,7 +55,7 @@ pub(super) fn grammar() -> Result<Outcome> {
     })
 }
 
-/// The server with a client of another author, and the Python clients.
+/// The server with a client of another author, and the clients in Python and Tcl.
 pub(super) fn client() -> Result<Outcome> {
     tools::ensure(tools::PYTHON)?;
     let server = extension::build_server(Profile::Dev)?;

@@ -50,19 +50,20 @@ pub(super) fn run() -> Result<Outcome> {
         cargo.args(["--config", runner, "--", "-Zunstable-options", "--report-time"]);
     }
     let mut outcome = Outcome::default();
-    let mut times = Vec::new();
+    let (mut times, mut failed) = (Vec::new(), Vec::new());
     let succeeded = run::watch(cargo, |line| {
         if let Some(result) = line.strip_prefix("test result: ") {
             outcome.passed += count(result, " passed");
             outcome.failed += count(result, " failed");
         }
         times.extend(time(line));
+        failed.extend(failure(line));
     })?;
     if !succeeded && outcome.failed == 0 {
         bail!("the tests do not compile");
     }
     extension::is_built_with_tests();
-    outcome.notes = slowest(times);
+    outcome.notes = [slowest(times), failed].concat();
     outcome.skipped = skipped::read(&log)?;
     outcome.passed = outcome.passed.saturating_sub(outcome.skipped.len());
     Ok(outcome)
@@ -74,6 +75,12 @@ fn time(line: &str) -> Option<(f64, String)> {
     let (_, time) = rest.rsplit_once('<')?;
     let seconds = time.strip_suffix("s>")?.parse().ok()?;
     Some((seconds, name.to_owned()))
+}
+
+/// A line for the end of the summary, from a line `test NAME ... FAILED <0.123s>`.
+fn failure(line: &str) -> Option<String> {
+    let (name, rest) = line.strip_prefix("test ")?.split_once(" ... ")?;
+    rest.starts_with("FAILED").then(|| format!("failed: {name}"))
 }
 
 /// The ten slowest tests, as lines.
@@ -93,5 +100,8 @@ mod tests {
         let line = "test cli::help ... ok <0.123s>";
         assert_eq!(super::time(line), Some((0.123, "cli::help".to_owned())));
         assert_eq!(super::time("test cli::help ... ok"), None);
+        assert_eq!(super::failure(line), None);
+        let line = "test cli::help ... FAILED <0.123s>";
+        assert_eq!(super::failure(line), Some("failed: cli::help".to_owned()));
     }
 }

@@ -77,14 +77,11 @@ const IMPLEMENTED: &[Statement] = &[
         "task ${1:@main} {\n\tcodel<start> ${1}_start(${2:@ids})\n\t\tyield ether;$0\n};",
     ),
     ("attribute", "attribute ${1:@name}(${2:in @member}$3);$0"),
-    (
-        "function",
-        "function ${1:@name}($2) {\n\tdoc \"${3}\";\n\n\tcodel ${4:@name_codel}($5);$0\n};",
-    ),
+    ("function", "function ${1:@name}($2) {\n\tdoc \"${3}\";\n\n\tcodel ${1}_codel($4);$0\n};"),
     (
         "activity",
-        "activity ${1:@name}($2) {\n\tdoc \"${3}\";\n\ttask ${4:@task};\n\n\tcodel<start> ${5:@name_start}($6)\n\t\t\
-         yield ${7:ether};$0\n};",
+        "activity ${1:@name}($2) {\n\tdoc \"${3}\";\n\ttask ${4:@task};\n\n\tcodel<start> ${1}_start($5)\n\t\t\
+         yield ${6:ether};$0\n};",
     ),
 ];
 

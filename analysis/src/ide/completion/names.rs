@@ -369,7 +369,8 @@ impl<'a, 'db> Names<'a, 'db> {
                         | DefKind::Ids
                         | DefKind::Native
                 ) && definition.ty.is_none_or(carried)
-                    && !(definition.kind == DefKind::Ids && self.in_ids)
+                    && !(definition.kind == DefKind::Ids
+                        && (self.in_ids || wanted == NameCategory::PortTypes))
             }
             NameCategory::ConstTypes | NameCategory::SwitchTypes => {
                 let kind =

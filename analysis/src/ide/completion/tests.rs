@@ -283,6 +283,7 @@ fn states_of_the_machine() {
 
 #[test]
 fn services_tasks_exceptions_interfaces() {
+    check(&in_arm("port in $0"), "pose | mode");
     check(&in_arm("activity go() { interrupt $0"), "get | go | all");
     check(&in_arm("activity go() { interrupt get, $0"), "go | all");
     check(&in_arm("activity go() { task $0"), "motion");
@@ -473,7 +474,7 @@ fn a_constant_is_offered_where_its_value_fits() {
 fn the_ids_are_no_type_within_themselves() {
     has("component c { ids { long a; sequence<$0> b; }; };", "long | !ids");
     has("component c { ids { long a; $0 }; };", "long | !ids");
-    has("component c { ids { long a; }; port in $0 };", "ids");
+    has("component c { ids { long a; }; port in $0 };", "!ids");
 }
 
 #[test]

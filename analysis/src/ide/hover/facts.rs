@@ -157,10 +157,7 @@ fn codel(spec: &Spec, component: &Component, name: &str) -> Vec<Fact> {
                 quantity::time(period.value)
             )));
         }
-        let excluded = exclusions(spec, component, usage);
-        if !excluded.is_empty() {
-            out.push(about(format!("excludes {}", listed(&excluded))));
-        }
+        out.extend(exclusions(spec, component, usage).into_iter().map(about));
     }
     out.dedup_by(|a, b| a.text == b.text);
     out
@@ -192,23 +189,35 @@ fn callers(machine: &Machine<'_>, codel: &Codel) -> String {
     }
 }
 
+/// The codels that a codel excludes, by the data they share: `excludes 2 through x of the ids: f, g`.
 fn exclusions(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<String> {
-    let all = mutex::exclusions(spec, component, codel);
-    all.iter()
-        .map(|exclusion| {
-            let name = match exclusion.with {
-                Excluded::Codel(other) => format!(
-                    "`{}` of {}",
-                    component.codel(other).name,
-                    describe_owner(component, other.owner)
-                ),
-                Excluded::Service(other) => {
-                    format!("attribute `{}`", component.services[other as usize].name)
-                }
-            };
-            match exclusion.through.first() {
-                Some(through) => format!("{name} ({})", through.shared.describe(component)),
-                None => name,
+    let mut groups: Vec<(Option<String>, Vec<String>)> = Vec::new();
+    for exclusion in mutex::exclusions(spec, component, codel) {
+        let name = match exclusion.with {
+            Excluded::Codel(other) => format!("`{}`", component.codel(other).name),
+            Excluded::Service(other) => {
+                format!("attribute `{}`", component.services[other as usize].name)
+            }
+        };
+        // Counted once, as in lenses.
+        if groups.iter().any(|group| group.1.contains(&name)) {
+            continue;
+        }
+        let through = exclusion.through.first();
+        let through = through.map(|through| through.shared.describe(component).to_string());
+        let group = match groups.iter_mut().find(|group| group.0 == through) {
+            Some(group) => group,
+            None => groups.push_mut((through, Vec::new())),
+        };
+        group.1.push(name);
+    }
+    groups
+        .into_iter()
+        .map(|(through, names)| {
+            let through = through.map(|through| format!(" through {through}")).unwrap_or_default();
+            match names.as_slice() {
+                [name] => format!("excludes {name}{through}"),
+                _ => format!("excludes {}{through}: {}", names.len(), listed(&names)),
             }
         })
         .collect()

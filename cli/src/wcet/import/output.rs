@@ -9,7 +9,7 @@ use dotgen_analysis::model::Seconds;
 use dotgen_analysis::terminal;
 use dotgen_recording::edits::Refusal;
 use dotgen_recording::matching::Mismatch;
-use dotgen_recording::proposal::{Decision, written};
+use dotgen_recording::proposal::{Decision, seconds, written};
 use dotgen_syntax::line_index::{LineIndex, PositionEncoding};
 use num_rational::Ratio;
 use serde_json::{Value, json};
@@ -49,7 +49,8 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
     let never = unobserved_codels(answer);
     let never: Vec<&str> = never.map(|codel| codel.path.as_str()).collect();
     if !never.is_empty() {
-        writeln!(out, "{TITLE}never seen{TITLE:#}: {}", never.join(", "))?;
+        let title = if answer.given.is_some() { "without a time" } else { "never seen" };
+        writeln!(out, "{TITLE}{title}{TITLE:#}: {}", never.join(", "))?;
     }
     for row in answer.rows.iter().filter(|row| is_outlier(row)) {
         let (file, line) = row.measure.at;
@@ -63,6 +64,11 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
         )?;
     }
     strays(&mut out, answer)?;
+    if let Some(given) = &answer.given {
+        for text in given.told() {
+            writeln!(out, "{TITLE}note{TITLE:#}: {text}")?;
+        }
+    }
     for text in told(&answer.left) {
         writeln!(out, "{TITLE}left out{TITLE:#}: {text}")?;
     }
@@ -76,6 +82,9 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
             "{BAD}not written{BAD:#}: the time of {function}: {why}; write it there by hand"
         )?;
     }
+    if keeps_longer(answer) {
+        writeln!(out, "{TITLE}note{TITLE:#}: longer times were kept; `--replace` lowers them")?;
+    }
     for path in answer.changed.keys() {
         let done = if only_shown { "would change" } else { "changed" };
         writeln!(out, "{done} {}", terminal::name(&display(path)))?;
@@ -86,19 +95,28 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Returns true if `--replace` would lower a time.
+fn keeps_longer(answer: &Answer) -> bool {
+    answer.rows.iter().any(|row| {
+        let is_longer = |proposed| row.declared.is_none_or(|declared| seconds(proposed) < declared);
+        row.decision == Decision::Kept && row.proposed.is_some_and(is_longer)
+    })
+}
+
 /// Returns the table of the measured codels.
 fn rows(answer: &Answer) -> Vec<[String; 7]> {
     let head = ["codel", "runs", "mean", "greatest", "declared", "proposed", ""];
     let mut rows = vec![head.map(str::to_owned)];
+    let is_given = answer.given.is_some();
     for row in answer.rows.iter().filter(|row| row.measure.runs > 0) {
         rows.push([
             terminal::text(&row.path).into_owned(),
-            row.measure.runs.to_string(),
-            nanos(row.measure.mean()),
+            if is_given { "given".to_owned() } else { row.measure.runs.to_string() },
+            if is_given { "-".to_owned() } else { nanos(row.measure.mean()) },
             nanos(row.measure.greatest),
             row.declared.map_or("-".to_owned(), |ratio| nanos(in_nanos(ratio))),
             row.proposed.map_or("-".to_owned(), written),
-            in_words(row).to_owned(),
+            in_words(row, is_given).to_owned(),
         ]);
     }
     rows
@@ -137,10 +155,11 @@ fn is_outlier(row: &Row) -> bool {
     measure.runs >= MANY && measure.greatest / OUTLIER_FACTOR > measure.mean()
 }
 
-fn in_words(row: &Row) -> &'static str {
+fn in_words(row: &Row, is_given: bool) -> &'static str {
     let measured = Ratio::new(i128::from(row.measure.greatest), 1_000_000_000);
     match row.decision {
         Decision::New => "new",
+        Decision::Raised if is_given => "raised",
         Decision::Raised if row.declared.is_some_and(|ratio| ratio < measured) => {
             "raised: was exceeded"
         }
@@ -223,6 +242,7 @@ pub(super) fn print_json(answer: &Answer) -> anyhow::Result<()> {
         "codels": codels.collect::<Vec<Value>>(),
         "never-seen": never.map(|codel| codel.path.as_str()).collect::<Vec<_>>(),
         "simulated": answer.simulated.keys().collect::<Vec<_>>(),
+        "given": answer.given,
         "unknown": strays.collect::<Vec<Value>>(),
         "left": answer.left,
         "refused": refused.collect::<Vec<Value>>(),

@@ -6,8 +6,22 @@ use super::finding::{Clauses, Difference};
 use super::{Check, Drift, FunctionIn, Repair};
 use crate::codels::{
     files::Sources,
-    source::{CType, Function, Layer, Parameter, compact},
+    source::{CType, Function, Layer, Parameter, Span, compact},
 };
+
+/// One difference between two prototypes.
+struct PrototypeDifference {
+    /// A clause of the message.
+    text: String,
+    /// The parameter in the source, if the difference is about one.
+    parameter: Option<Span>,
+}
+
+impl PrototypeDifference {
+    fn of_function(text: impl Into<String>) -> PrototypeDifference {
+        PrototypeDifference { text: text.into(), parameter: None }
+    }
+}
 
 /// The result of a comparison of two types.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,7 +39,7 @@ pub(super) fn check(check: &Check<'_>, definitions: &[FunctionIn<'_>], out: &mut
         return;
     };
     // With conditional compilation or overloading, one of several definitions is the codel.
-    let all: Vec<Vec<String>> = definitions
+    let all: Vec<Vec<PrototypeDifference>> = definitions
         .iter()
         .map(|definition| differences(check, shape, definition.function))
         .collect();
@@ -51,13 +65,20 @@ pub(super) fn check(check: &Check<'_>, definitions: &[FunctionIn<'_>], out: &mut
     }
 }
 
-fn report(check: &Check<'_>, found: FunctionIn<'_>, differences: &[String]) -> Drift {
+fn report(check: &Check<'_>, found: FunctionIn<'_>, differences: &[PrototypeDifference]) -> Drift {
     let name = &check.function.name;
+    let texts = differences.iter().map(|difference| difference.text.clone());
     let mut drift = check.drift(Difference::Signature {
         function: name.clone(),
-        differences: Clauses(differences.to_vec()),
+        differences: Clauses(texts.collect()),
     });
-    drift.source = Some(found.at(found.function.signature_span.clone()));
+    // The parameters that differ, or the name.
+    let spans: Option<Vec<Span>> =
+        differences.iter().map(|difference| difference.parameter.clone()).collect();
+    let place = spans
+        .and_then(|spans| spans.into_iter().reduce(|all, span| all.start..span.end))
+        .unwrap_or_else(|| found.function.name_span.clone());
+    drift.source = Some(found.at(place));
     drift.expected = check.function.signature.clone().ok();
     let text = found.file.text.get(found.function.signature_span.clone());
     drift.found = text.map(str::to_owned);
@@ -68,29 +89,38 @@ fn report(check: &Check<'_>, found: FunctionIn<'_>, differences: &[String]) -> D
             path: found.file.path.clone(),
             start: found.function.span.start,
         });
+        if let [at] = check.function.uses.as_slice() {
+            drift.repairs.push(Repair::AdaptParameters {
+                at: *at,
+                path: found.file.path.clone(),
+                start: found.function.span.start,
+            });
+        }
     }
     drift
 }
 
 /// Descriptions of all differences; empty if there are none or if nothing is known.
-fn differences(check: &Check<'_>, wanted: &Function, found: &Function) -> Vec<String> {
+fn differences(check: &Check<'_>, wanted: &Function, found: &Function) -> Vec<PrototypeDifference> {
     let mut out = Vec::new();
     if !found.known {
         return out;
     }
     if found.is_static {
-        out.push("it is `static`, so that the component cannot call it".into());
+        out.push(PrototypeDifference::of_function(
+            "it is `static`, so that the component cannot call it",
+        ));
     }
     let compare = |a: &CType, b: &CType| compare(check, a, b);
     if matches!(compare(&wanted.result, &found.result), Verdict::Different | Verdict::Constness) {
-        out.push(format!(
+        out.push(PrototypeDifference::of_function(format!(
             "expected return type `{}`, found `{}`",
             show(&wanted.result, None),
             show(&found.result, None)
-        ));
+        )));
     }
     if found.variadic {
-        out.push("a codel has no variable arguments".into());
+        out.push(PrototypeDifference::of_function("a codel has no variable arguments"));
     }
     let (w, f) = (&wanted.parameters, &found.parameters);
     if w.len() != f.len() {
@@ -98,7 +128,7 @@ fn differences(check: &Check<'_>, wanted: &Function, found: &Function) -> Vec<St
         return out;
     }
     if let Some(order) = permuted(check, w, f) {
-        out.push(order);
+        out.push(PrototypeDifference::of_function(order));
         return out;
     }
     for (number, (w, f)) in (1..).zip(w.iter().zip(f)) {
@@ -108,17 +138,18 @@ fn differences(check: &Check<'_>, wanted: &Function, found: &Function) -> Vec<St
             Verdict::Constness | Verdict::Different => true,
         };
         if wrong {
-            out.push(format!(
+            let text = format!(
                 "parameter {number}: expected `{}`, found `{}`",
                 show(&w.ty, w.name.as_deref()),
                 show(&f.ty, f.name.as_deref())
-            ));
+            );
+            out.push(PrototypeDifference { text, parameter: Some(f.span.clone()) });
         }
     }
     out
 }
 
-fn arity(check: &Check<'_>, wanted: &[Parameter], found: &[Parameter]) -> String {
+fn arity(check: &Check<'_>, wanted: &[Parameter], found: &[Parameter]) -> PrototypeDifference {
     let count = format!(
         "expected {}, found {}",
         match wanted.len() {
@@ -132,11 +163,18 @@ fn arity(check: &Check<'_>, wanted: &[Parameter], found: &[Parameter]) -> String
     } else {
         (found, wanted, "too many")
     };
-    let extra: Vec<String> = unmatched(check, more, less)
+    let extra = unmatched(check, more, less);
+    let parameter = match extra.as_slice() {
+        [one] if found.len() > wanted.len() => Some(one.span.clone()),
+        _ => None,
+    };
+    let extra: Vec<String> = extra
         .into_iter()
         .map(|parameter| format!("`{}`", show(&parameter.ty, parameter.name.as_deref())))
         .collect();
-    if extra.is_empty() { count } else { format!("{count} ({word}: {})", extra.join(", ")) }
+    let text =
+        if extra.is_empty() { count } else { format!("{count} ({word}: {})", extra.join(", ")) };
+    PrototypeDifference { text, parameter }
 }
 
 /// Parameters of the first list without a counterpart in the second: by name, then by type.

@@ -1,9 +1,10 @@
 //! Declarations of codels for functions.
 
 use camino::Utf8Path;
-use dotgen_analysis::model::{CodelKind, Owner, PortDir, ServiceKind, TypeKind};
+use dotgen_analysis::model::{CodelKind, CodelRef, Owner, PortDir, ServiceKind, TypeKind};
 
 use super::Repairs;
+use super::specification::parameter_list;
 use crate::codels::{
     edit::Edit,
     expected::cut_tag,
@@ -103,6 +104,48 @@ impl Repairs<'_> {
             triggers.join(", "),
             yields.join(", ")
         ))
+    }
+
+    /// Gives a codel the parameters of its function. The text of a parameter stays if the function has one of
+    /// its name with the same type. `None` if a parameter cannot be determined, or if nothing changes.
+    pub(super) fn adapt_parameters(&self, at: CodelRef, function: &Function) -> Option<Edit> {
+        let codel = self.expected.component().codel(at);
+        let name = self.at(codel.src, &codel.name)?;
+        let (list, items) = parameter_list(&name.text, name.range.end)?;
+        let wanted = self.expected.function(&codel.name)?.shape.as_ref()?;
+        let mut parameters = function.parameters.as_slice();
+        if self.expected.language == Language::C {
+            parameters = parameters.split_last()?.1;
+        }
+        let written = |parameter: &Parameter| {
+            let index = codel
+                .params
+                .iter()
+                .position(|known| Some(known.name.as_str()) == parameter.name.as_deref())?;
+            let same = wanted.parameters.get(index)?.ty == parameter.ty;
+            items.get(index).filter(|_| same).map(|item| name.text[item.clone()].to_owned())
+        };
+        let adapted: Option<Vec<String>> = parameters
+            .iter()
+            .map(|parameter| written(parameter).or_else(|| self.parameter(parameter, at.owner)))
+            .collect();
+        // Comments between parameters would be lost.
+        let starts = items.iter().map(|item| item.start).chain([list.end]);
+        let ends = [list.start].into_iter().chain(items.iter().map(|item| item.end));
+        let gaps: Vec<&str> = ends.zip(starts).map(|(end, start)| &name.text[end..start]).collect();
+        let blank = |c: char| c.is_whitespace() || c == ',';
+        if items.len() != codel.params.len() || !gaps.iter().all(|gap| gap.chars().all(blank)) {
+            return None;
+        }
+        let separator = gaps.get(1).filter(|_| items.len() > 1).copied().unwrap_or(", ");
+        let adapted = format!("{}{}", gaps[0], adapted?.join(separator));
+        let list = list.start..items.last().map_or(list.end, |item| item.end);
+        if name.text[list.clone()] == adapted {
+            return None;
+        }
+        let mut edit = Edit::default();
+        edit.replace(&name.path, list, adapted);
+        Some(edit)
     }
 
     fn owner_of(&self, function: &Function, path: &Utf8Path) -> Option<Owner> {

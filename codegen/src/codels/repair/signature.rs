@@ -227,7 +227,15 @@ impl Repairs<'_> {
             let Some(lost) = parameter.name.as_ref().filter(|_| !kept.contains(&index)) else {
                 continue;
             };
+            let tree = parse(&file.text, file.grammar);
             for span in uses(file, function, lost).unwrap_or_default() {
+                // The repair removes this use.
+                if tree
+                    .as_ref()
+                    .is_some_and(|tree| discard(tree.root_node(), &span, &file.text).is_some())
+                {
+                    continue;
+                }
                 out.push(by_hand(file, span.start, UnadaptedUse::Parameter(lost.clone())));
             }
         }
@@ -405,6 +413,7 @@ fn follow_body(file: &IndexedFile, function: &Function, pairs: &[Pair], edit: &m
     let Some(tree) = parse(&file.text, file.grammar) else {
         return;
     };
+    remove_discards(file, function, (pairs, tree.root_node()), edit);
     for pair in pairs {
         let parameter = pair.found.and_then(|index| function.parameters.get(index));
         let Some(old) = parameter.and_then(|parameter| parameter.name.as_ref()) else {
@@ -421,6 +430,43 @@ fn follow_body(file: &IndexedFile, function: &Function, pairs: &[Pair], edit: &m
             }
         }
     }
+}
+
+/// Removes the statements `(void)x;` of removed parameters.
+fn remove_discards(
+    file: &IndexedFile,
+    function: &Function,
+    (pairs, root): (&[Pair], Node<'_>),
+    edit: &mut Edit,
+) {
+    for (index, parameter) in function.parameters.iter().enumerate() {
+        let kept = pairs.iter().any(|pair| pair.found == Some(index));
+        let Some(lost) = parameter.name.as_ref().filter(|_| !kept) else { continue };
+        for span in uses(file, function, lost).unwrap_or_default() {
+            if let Some(statement) = discard(root, &span, &file.text) {
+                edit.replace(&file.path, statement, String::new());
+            }
+        }
+    }
+}
+
+/// Returns the statement `(void)x;` around a use, with its line if the line has nothing else.
+fn discard(root: Node<'_>, span: &Range<usize>, text: &str) -> Option<Range<usize>> {
+    let cast = root.descendant_for_byte_range(span.start, span.end)?.parent()?;
+    let target = text.get(cast.child_by_field_name("type")?.byte_range())?;
+    let statement = cast.parent()?;
+    let kinds = (cast.kind(), statement.kind(), statement.parent()?.kind());
+    if kinds != ("cast_expression", "expression_statement", "compound_statement")
+        || target != "void"
+    {
+        return None;
+    }
+    let range = statement.byte_range();
+    let start = text.get(..range.start)?.trim_end_matches([' ', '\t']).len();
+    let after = text.get(range.end..)?;
+    let blank = after.len() - after.trim_start_matches([' ', '\t', '\r']).len();
+    let alone = text[..start].ends_with('\n') && after[blank..].starts_with('\n');
+    Some(if alone { start..range.end + blank + 1 } else { range })
 }
 
 /// The new spelling of a use.

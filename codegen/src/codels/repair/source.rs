@@ -9,20 +9,20 @@ use super::Repairs;
 use crate::codels::{
     edit::Edit,
     files::IndexedFile,
+    indentation::indentation,
     source::{function_mentions, mentions},
-    stub::Stubs,
+    stub::{StubOptions, Stubs},
 };
 use crate::lang::LangError;
 
 impl Repairs<'_> {
     /// Stubs of codels, each in the file of the skeleton. Codels with a function are skipped.
     pub fn stub(&self, codels: &[CodelRef]) -> Result<Edit, LangError> {
-        let options = self.stub_options();
-        let stubs = Stubs::new(self.expected, &options);
         let missing = self.missing();
         let mut edit = Edit::default();
         if self.sources.sources.is_empty() && missing.iter().all(|codel| codels.contains(codel)) {
-            for file in stubs.all_files()? {
+            let options = self.indented_stubs(&self.sources.folder.join("new.c"));
+            for file in Stubs::new(self.expected, &options).all_files()? {
                 let name = file.path.file_name().unwrap_or_default();
                 edit.created.insert(self.sources.folder.join(name), file.text);
             }
@@ -35,6 +35,8 @@ impl Repairs<'_> {
             }
         }
         for (path, codels) in by_file {
+            let options = self.indented_stubs(&path);
+            let stubs = Stubs::new(self.expected, &options);
             if let Some(file) = self.sources.file(&path) {
                 for at in codels {
                     let here = self.stub_place(file, at);
@@ -53,6 +55,16 @@ impl Repairs<'_> {
             }
         }
         Ok(edit)
+    }
+
+    /// The options for stubs in a file, with its indentation.
+    fn indented_stubs(&self, path: &Utf8Path) -> StubOptions {
+        let own = self.sources.file(path).into_iter();
+        let files = own.chain(&self.sources.sources);
+        StubOptions {
+            indentation: Some(indentation(path, files, self.text)),
+            ..self.stub_options()
+        }
     }
 
     /// The place of a stub: after the function of the preceding codel, else at the end of the file.

@@ -237,6 +237,29 @@ fn body_after(text: &str, from: usize) -> Option<Range<usize>> {
     None
 }
 
+/// The range between the parentheses after the name of a codel, and those of the parameters in it. `None` if
+/// something else comes first.
+pub(super) fn parameter_list(text: &str, from: usize) -> Option<(Range<usize>, Vec<Range<usize>>)> {
+    let (mut start, mut next, mut items) = (None, true, Vec::<Range<usize>>::new());
+    for (at, token) in (Scan { text, at: from }) {
+        match (token, start) {
+            ("(", None) => start = Some(at + 1),
+            (")", Some(start)) => return Some((start..at, items)),
+            (_, None) | ("(" | "{" | "}" | ";", _) => return None,
+            (",", _) => next = true,
+            _ => {
+                let end = at + token.len();
+                match items.last_mut().filter(|_| !next) {
+                    Some(item) => item.end = end,
+                    None => items.push(at..end),
+                }
+                next = false;
+            }
+        }
+    }
+    None
+}
+
 /// The values in the list of the last of some properties in a body.
 fn property_items(text: &str, body: Range<usize>, names: &[&str]) -> Vec<Range<usize>> {
     let text = text.get(..body.end).unwrap_or_default();

@@ -12,7 +12,7 @@
 
 ["scenario" "client"] @keyword.type
 (measure "on" @keyword.type)
-"use" @keyword.import
+["use" "times"] @keyword.import
 [
   "unit" "cores" "affinity" "duration" "loop" "connect" "slots" "semantics" "policy" "durations" "ticks" "turns" "locks"
   "ports" "order" "async" "aperiodic" "exceptions" "idle" "check"
@@ -26,7 +26,7 @@
 (or "or" @keyword.operator)
 ["and" "not" "leave" "then" "via" "to" "late" "lost" "stale" "violation" "of" "after"] @keyword.operator
 [
-  "schedulable" "no-overdue" "response" "within" "reaction" "age" "leadsto" "eventually" "always" "reachable" "deadlock"
+  "schedulable" "no-overdue" "response" "within" "reaction" "age" "leadsto" "eventually" "always" "never" "reachable" "deadlock"
 ] @function.builtin
 
 (scenario name: (identifier) @type)

@@ -21,6 +21,7 @@ use crate::features::codels::{self, Texts};
 use crate::features::commands::SHOW_CODEL;
 use crate::features::convert::diagnostic;
 use crate::features::convert::edit::{EditResult, Review, edit_of, is_wanted, with_edit};
+use crate::features::project_settings;
 use crate::protocol::convert::Lines;
 use crate::protocol::types::*;
 use crate::protocol::user_result::UserResult;
@@ -155,10 +156,10 @@ impl Work<'_> {
         };
         let name = |at: CodelRef| expected.component().codel(at).name.as_str();
         let ordered = repairs.ordered(drift);
+        let adapts = |repair: &&&Repair| matches!(repair, Repair::AdaptParameters { .. });
+        let others = ordered.iter().filter(|repair| !adapts(repair)).count();
         let only = |repair: &Repair| {
-            ordered.len() == 1
-                && !matches!(repair, Repair::RemoveYield { .. })
-                && !repair.is_choice()
+            others == 1 && !matches!(repair, Repair::RemoveYield { .. }) && !repair.is_choice()
         };
         for &repair in &ordered {
             if let Some(edit) = repairs.edit(repair) {
@@ -176,6 +177,7 @@ impl Work<'_> {
                 }
             }
         }
+        project_settings::allow(self.snapshot, self.subject, &here, out)?;
         Ok(true)
     }
 

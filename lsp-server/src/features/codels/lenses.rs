@@ -87,7 +87,8 @@ pub(crate) fn lenses(
         }
     }
     let specs = units.iter().flatten().map(|unit| &*unit.spec);
-    let system = System::new(parts(specs), &snapshot.config.connections);
+    let connections = snapshot.config.connections_of(path);
+    let system = System::new(parts(specs), &connections);
     for compared in &around {
         for folder in compared.folders() {
             let all = folder.expected();

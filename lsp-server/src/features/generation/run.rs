@@ -40,6 +40,8 @@ pub(crate) struct Job {
     pub(crate) client: Arc<ClientCaps>,
     /// Texts of the open documents, which take precedence over the disk.
     open: Arc<FxHashMap<Utf8PathBuf, String>>,
+    /// The client shows the text of each file before one is written.
+    pub(crate) reviewed: bool,
 }
 
 /// The result of a run.
@@ -86,6 +88,7 @@ pub(crate) fn job(snapshot: &Snapshot, subject: &Subject, _: &()) -> Cancellable
         config: snapshot.config.clone(),
         client: snapshot.client.clone(),
         open: Arc::new(open),
+        reviewed: false,
     })))
 }
 
@@ -211,6 +214,7 @@ impl Job {
             confined: Some(Confinement {
                 results: self.folders.iter().map(Into::into).collect(),
                 confirmed: Confirmation::Shown,
+                reviewed: self.reviewed,
             }),
             failed_at: None,
             project_templates: self.template_paths(),

@@ -9,6 +9,7 @@ use crate::features::codels::judged_actions::{self, JudgedActions};
 use crate::features::codels::{actions, standins};
 use crate::features::convert::diagnostic;
 use crate::features::convert::edit::{Review, edit_of, is_wanted, with_edit};
+use crate::features::project_settings;
 use crate::features::specification::search_paths;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
@@ -136,6 +137,7 @@ fn quick_fixes(
             let action = with_edit(snapshot, action, edit);
             actions.extend(action.map(CodeActionOrCommand::CodeAction));
         }
+        project_settings::allow(snapshot, subject, diagnostic, actions)?;
     }
     for code in codes {
         let alike =

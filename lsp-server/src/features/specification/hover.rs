@@ -3,7 +3,7 @@
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::model::system::{System, listed, parts};
 use dotgen_analysis::model::{CodelRef, Component, ParamSource};
-use dotgen_codegen::lang::prototypes as prototypes_of;
+use dotgen_codegen::lang::{Language, Mapper, NoPlaces};
 
 use crate::features::verification;
 use crate::protocol::types::*;
@@ -27,15 +27,12 @@ pub(crate) fn handle(
             // The exclusions follow the other facts.
             markdown = format!("{markdown}\n{excluded}");
         }
-        if let Some(prototypes) = prototypes(snapshot, subject, component, codel)? {
-            markdown = format!("{markdown}\n\n{prototypes}");
+        if let Some(prototype) = prototype(snapshot, subject, component, codel)? {
+            markdown = format!("{markdown}\n\n{prototype}");
         }
     }
     if let Some(verdict) = verification::hover(snapshot, subject, at.offset)? {
         markdown = format!("{markdown}\n\n{verdict}");
-    }
-    if let Some(image) = crate::features::diagram::hover_image(snapshot, subject, &at)? {
-        markdown = format!("{markdown}\n\n{image}");
     }
     let location = snapshot.location(&at.path, &hover.range)?;
     let range = location.map(|location| location.range);
@@ -70,7 +67,8 @@ fn remote_exclusions(
     }
     let units = snapshot.system_units(&subject.path)?;
     let specs = units.iter().map(|unit| &*unit.spec);
-    let system = System::new(parts(specs), &snapshot.config.connections);
+    let connections = snapshot.config.connections_of(&subject.path);
+    let system = System::new(parts(specs), &connections);
     let Some(part) = system.part(component) else {
         return Ok(None);
     };
@@ -93,8 +91,8 @@ fn uses<'a>(component: &'a Component, codel: &'a str) -> impl Iterator<Item = Co
     all.filter(move |at| component.codel(*at).name.as_str() == codel)
 }
 
-/// The prototypes of a codel in C and C++.
-fn prototypes(
+/// The prototype of a codel in the language of its component.
+fn prototype(
     snapshot: &Snapshot,
     subject: &Subject,
     component: &str,
@@ -103,19 +101,15 @@ fn prototypes(
     let unit = snapshot.analysis.unit(&subject.path)?;
     let mut components = (0..).zip(&unit.spec.components);
     let found = components.find(|(_, candidate)| candidate.name.as_str() == component);
-    let codel = found.and_then(|(index, component)| {
-        let mut codels = component.all_codels().map(|codel| component.codel(codel));
-        Some((index, codels.find(|candidate| candidate.name.as_str() == codel)?))
-    });
-    let Some((index, codel)) = codel else {
+    let Some((index, component)) = found else {
         return Ok(None);
     };
-    let blocks: Vec<String> = prototypes_of(&unit.spec, index, codel)
-        .into_iter()
-        .map(|(language, text)| {
-            let fence = if language == "c++" { "cpp" } else { language };
-            dotgen_analysis::markdown::block(fence, &format!("{text};"))
-        })
-        .collect();
-    Ok((!blocks.is_empty()).then(|| blocks.join("\n\n")))
+    let mut codels = component.all_codels().map(|codel| component.codel(codel));
+    let Some(codel) = codels.find(|candidate| candidate.name.as_str() == codel) else {
+        return Ok(None);
+    };
+    let language = Language::of(component);
+    let fence = if language == Language::Cxx { "cpp" } else { "c" };
+    let text = Mapper::new(&unit.spec, &NoPlaces, language).prototype(index, codel, " ");
+    Ok(text.ok().map(|text| dotgen_analysis::markdown::block(fence, &format!("{text};"))))
 }

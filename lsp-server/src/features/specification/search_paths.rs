@@ -4,12 +4,12 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::host::{Cancellable, FileContent};
-use dotgen_codegen::codels::edit::{Edit, line_edits};
+use dotgen_analysis::host::Cancellable;
 use toml_edit::{Array, DocumentMut, value};
 
 use crate::config;
 use crate::features::convert::edit::{Review, edit_of, with_edit};
+use crate::features::project_settings::{edit, project};
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_platform::files::vfs;
@@ -97,7 +97,8 @@ fn add(
     directory: &Utf8Path,
     out: &mut Vec<CodeActionOrCommand>,
 ) -> Cancellable<()> {
-    let Some(edit) = edit(project, setting, directory) else {
+    let change = |document: &mut DocumentMut| add_directory(document, setting, directory);
+    let Some(edit) = edit(snapshot, project, change)? else {
         return Ok(());
     };
     let name = match directory.as_str() {
@@ -114,15 +115,6 @@ fn add(
     Ok(())
 }
 
-/// The path of the configuration for a document, which need not exist.
-fn project(snapshot: &Snapshot, path: &Utf8Path) -> Option<Utf8PathBuf> {
-    if let Some(project) = snapshot.config.project(path) {
-        return Some(project.directory.clone());
-    }
-    let around = snapshot.folders.iter().filter(|folder| path.starts_with(folder));
-    around.max_by_key(|folder| folder.as_str().len()).cloned()
-}
-
 /// The directories below a folder that contain a file, relative to the folder.
 fn below(folder: &Utf8Path, wanted: &Utf8Path) -> Vec<Utf8PathBuf> {
     let Some(extension) = wanted.extension() else {
@@ -137,49 +129,34 @@ fn below(folder: &Utf8Path, wanted: &Utf8Path) -> Vec<Utf8PathBuf> {
     found.filter_map(directory).take(MAX_DIRECTORIES).collect()
 }
 
-/// The configuration with one more directory; `None` if it cannot be edited, or already contains the
-/// directory.
-fn edit(project: &Utf8Path, setting: &Setting, directory: &Utf8Path) -> Option<Edit> {
-    let path = project.join(config::FILE_NAME);
-    let mut edit = Edit::default();
-    match vfs::read(&path) {
-        FileContent::Text(before) => {
-            let after = with_directory(&before, setting, directory)?;
-            for line_edit in line_edits(&before, &after) {
-                edit.replace(&path, line_edit.range, line_edit.text);
-            }
-        }
-        _ if path.exists() => return None,
-        _ => {
-            edit.created.insert(path, with_directory("", setting, directory)?);
-        }
-    }
-    Some(edit)
-}
-
-/// The text of a configuration with one more directory in a setting. All other text, comments included, is
-/// unchanged.
-fn with_directory(text: &str, setting: &Setting, directory: &Utf8Path) -> Option<String> {
+/// Adds a directory to a setting. Returns `None` if the setting is not a list, or contains the directory.
+fn add_directory(
+    document: &mut DocumentMut,
+    setting: &Setting,
+    directory: &Utf8Path,
+) -> Option<()> {
     let directory = match directory.as_str() {
         "" => ".".to_owned(),
         other => other.replace('\\', "/"),
     };
-    let mut document: DocumentMut = text.parse().ok()?;
     let entry = document.entry(setting.key).or_insert_with(|| value(Array::new()));
     let paths = entry.as_value_mut().and_then(|value| value.as_array_mut())?;
     if paths.iter().any(|path| path.as_str() == Some(&directory)) {
         return None;
     }
     paths.push(directory);
-    Some(document.to_string())
+    Some(())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::features::project_settings::changed;
 
     #[test]
     fn a_directory_is_added_and_the_rest_stays() {
+        let add =
+            |document: &mut DocumentMut| add_directory(document, &INCLUDES, Utf8Path::new("idl"));
         for (before, after) in [
             ("", "include-paths = [\"idl\"]\n"),
             (
@@ -188,13 +165,9 @@ mod tests {
             ),
             ("release = \"2.99.41\"\n", "release = \"2.99.41\"\ninclude-paths = [\"idl\"]\n"),
         ] {
-            assert_eq!(
-                with_directory(before, &INCLUDES, Utf8Path::new("idl")).as_deref(),
-                Some(after)
-            );
-            assert_eq!(with_directory(after, &INCLUDES, Utf8Path::new("idl")), None, "it is there");
+            assert_eq!(changed(before, add).as_deref(), Some(after));
+            assert_eq!(changed(after, add), None, "it is there");
         }
-        assert_eq!(with_directory("include-paths = 1\n", &INCLUDES, Utf8Path::new("idl")), None);
-        assert_eq!(with_directory("= no toml", &INCLUDES, Utf8Path::new("idl")), None);
+        assert_eq!(changed("include-paths = 1\n", add), None);
     }
 }

@@ -203,7 +203,7 @@ fn scenario(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<AboutChe
 pub(super) fn changes(answer: &Answer, view: &CheckView) -> Vec<Change> {
     let mut out: Vec<Change> =
         view.why.and_then(|cause| cause.remedy.clone()).into_iter().collect();
-    if view.why.is_some() {
+    if view.why.is_some() && view.report.task.is_some() {
         for repair in &answer.repairs.all {
             if !out.contains(&repair.change) {
                 out.push(repair.change.clone());

@@ -111,8 +111,12 @@ pub(crate) fn scenario_lenses(
     let uri = &subject.uri;
     let heading = lines.range(&entry.problem.scenario.name_range);
     let mut out = vec![lens(snapshot, heading, whole(entry), argument(uri, None))];
+    // A check has a lens before it has an answer: editors close menus when the number of lens lines changes.
+    let written = entry.problem.scenario.checks();
+    let mut titles: Vec<(Range<usize>, Vec<String>, Option<usize>)> =
+        written.map(|check| (check.range.clone(), Vec::new(), None)).collect();
+    let refuting = |check: usize| refutes(entry, check);
     if let Some(answer) = entry.known() {
-        let mut titles: Vec<(std::ops::Range<usize>, Vec<String>, usize)> = Vec::new();
         for (i, check) in answer.view().checks.iter().enumerate() {
             let Some(range) = check.written.clone() else {
                 continue;
@@ -124,26 +128,29 @@ pub(crate) fn scenario_lenses(
             if check.is_one_of_all {
                 word = format!("{} {word}", check.report.of);
             }
-            let refutes = has_refuting_run(check.report);
             match titles.iter_mut().find(|title| title.0 == range) {
                 Some(title) => {
                     title.1.push(word);
-                    if refutes && !has_refuting_run(&answer.report.checks[title.2]) {
-                        title.2 = i;
+                    if title.2.is_none_or(|shown| refuting(i) && !refuting(shown)) {
+                        title.2 = Some(i);
                     }
                 }
-                None => titles.push((range, vec![word], i)),
+                None => titles.push((range, vec![word], Some(i))),
             }
         }
-        for (range, words, check) in titles {
-            let title = words.join(" | ");
-            let argument = if has_refuting_run(&answer.report.checks[check]) {
-                refuting_run(uri, check)
-            } else {
-                argument(uri, Some(check))
-            };
-            out.push(lens(snapshot, lines.range(&range), title, argument));
-        }
+    }
+    for (range, words, check) in titles {
+        let title = match (words.is_empty(), entry.settled().is_some(), entry.status) {
+            (false, ..) => words.join(" | "),
+            (true, _, Status::Blocked) => "not verified".to_owned(),
+            (true, true, _) => "nothing to verify".to_owned(),
+            (true, false, _) => VERIFYING.to_owned(),
+        };
+        let argument = match check.filter(|check| refuting(*check)) {
+            Some(check) => refuting_run(uri, check),
+            None => argument(uri, check),
+        };
+        out.push(lens(snapshot, lines.range(&range), title, argument));
     }
     Ok(Some(out))
 }
@@ -233,15 +240,17 @@ fn verdict(entry: &Entry, task: DeclaredTask) -> Option<(Mark, String)> {
     if entry.status == Status::Blocked {
         return None;
     }
+    // A task without a lens has none until there is an answer for the new text: the lines stay where they
+    // are.
+    if entry.known().or(entry.answer.as_ref()).is_some_and(|answer| is_empty(answer, task)) {
+        return None;
+    }
     let Some(answer) = entry.known() else {
         return say(Mark::Open, "verifying");
     };
     let view = answer.view();
     let all: Vec<&CheckView> = view.of_task(task).map(|task| task.1).collect();
     let first = |outcome| all.iter().copied().find(|task| task.verdict == outcome);
-    if all.is_empty() || first(Verdict::Nothing).is_some() {
-        return None;
-    }
     let response = all.iter().find(|task| task.report.kind == PropertyKind::Response);
     let measured = response.and_then(|response| response.share.clone());
     let and_measured = |text: &str| match &measured {
@@ -282,6 +291,13 @@ fn verdict(entry: &Entry, task: DeclaredTask) -> Option<(Mark, String)> {
     let of_deadlines = |check: &&CheckView| check.report.kind == PropertyKind::Schedulable;
     let holds = if all.iter().any(of_deadlines) { "deadlines met" } else { "checks hold" };
     say(Mark::Holds, measured.as_deref().unwrap_or(holds))
+}
+
+/// True if an answer has nothing about a task: it is in no check, or has no execution times.
+fn is_empty(answer: &Answer, task: DeclaredTask) -> bool {
+    let view = answer.view();
+    let mut all = view.of_task(task).map(|task| task.1.verdict).peekable();
+    all.peek().is_none() || all.any(|verdict| verdict == Verdict::Nothing)
 }
 
 /// `not settled in 10 s, any client`: the causes that a user can change, not the progress of the search.

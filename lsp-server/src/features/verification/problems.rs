@@ -58,7 +58,7 @@ pub(crate) fn wanted(snapshot: &Snapshot) -> Cancellable<Vec<VerificationRequest
             continue;
         }
         if let Some(problem) = problem_of(snapshot, path)?
-            && problem.units.iter().any(|unit| is_timed(&unit.spec))
+            && (problem.units.iter().any(|unit| is_timed(&unit.spec)) || !problem.times.is_empty())
         {
             out.push(VerificationRequest { path: path.clone(), version: version(path), problem });
         }
@@ -85,7 +85,7 @@ pub(crate) fn problem_of(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Op
         policy: snapshot.config.verification.policy(),
         semantics: snapshot.config.verification.semantics(),
     };
-    Ok(Some(Problem::default_scenario_on(platform, path, &[name], vec![unit])))
+    Ok(Some(Problem::default_scenario_on(platform, path, &[name], vec![unit], vfs::read)))
 }
 
 /// A scenario and the specifications it uses, open documents included.

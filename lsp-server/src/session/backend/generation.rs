@@ -151,10 +151,11 @@ impl Backend {
 
     async fn generate(
         &self,
-        job: Job,
+        mut job: Job,
         choices: Vec<Generate>,
         apply: bool,
     ) -> Result<Option<Value>> {
+        job.reviewed = !apply;
         let cancel = Arc::new(AtomicBool::new(false));
         let _guard = StopOnDrop(cancel.clone());
         let names: Vec<&str> = choices.iter().map(|choice| choice.template.as_str()).collect();

@@ -126,6 +126,34 @@ async fn names_in_sources_lead_to_their_declarations() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn values_of_a_codel_are_proposed_after_return() {
+    let folder = tank();
+    let (uri, source) = (folder.uri("tank.gen"), folder.uri("codels/tank_control_codels.c"));
+    let (text, code) = (read(path(&uri)), read(path(&source)));
+    let code = code.replace("return tank_main;", "/* return */ return ");
+    let mut client = Client::start(folder.params(capable())).await;
+    client.open(&uri, &text).await;
+    client.open_code(&source, &code).await;
+    let labels = async |client: &mut Client, after: &str| {
+        let at = code.find(after).expect(after) + after.len();
+        let params = json!({ "textDocument": { "uri": source }, "position": place_at(&code, at) });
+        let found = client.ok("textDocument/completion", params).await;
+        let items = found.as_array().cloned().unwrap_or_default();
+        let labels = items.iter().map(|item| item["label"].as_str().map(str::to_owned));
+        labels.collect::<Option<Vec<String>>>().unwrap_or_default()
+    };
+    assert_eq!(
+        labels(&mut client, "/* return */ return ").await,
+        ["tank_main", "tank_e_valve(&(tank_e_valve_detail){0}, self)"]
+    );
+    let paused = labels(&mut client, "return tank_p").await;
+    assert_eq!(paused[..2], ["tank_pause_main", "tank_stop"]);
+    assert!(labels(&mut client, "/* return ").await.is_empty());
+    client.ignore("textDocument/publishDiagnostics");
+    drop(client);
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn a_codel_is_renamed_on_both_sides() {
     let folder = tank();
     let (uri, source) = (folder.uri("tank.gen"), folder.uri("codels/tank_control_codels.c"));

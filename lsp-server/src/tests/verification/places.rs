@@ -154,10 +154,14 @@ async fn without_execution_times_no_lens_is_green() {
     client.open(&uri, text).await;
     until(&mut client, &scn, 1, "nothing").await;
     let mut titles = lenses(&mut client, &scn).await;
-    titles.extend(lenses(&mut client, &uri).await);
+    let of_tasks = lenses(&mut client, &uri).await;
+    titles.extend(of_tasks.clone());
     let nothing = titles.iter().filter(|title| title.contains("nothing to verify"));
     assert!(nothing.count() >= 3, "{titles:?}");
     let green = |text: &String| text.contains("proved") || text.contains('✓');
     assert!(!titles.iter().any(green), "{titles:?}");
+    // A task without a lens has none while its new text is verified.
+    client.change(&uri, 2, json!([{ "text": format!("// new\n{text}") }])).await;
+    assert_eq!(lenses(&mut client, &uri).await, of_tasks);
     client.finish_ignoring(STATUS).await;
 }

@@ -102,7 +102,7 @@ export function checks(wb) {
       judge('lens to state machine', all, floor + 300);
     }],
     ['the open preview has the state machine at the cursor at once', async () => {
-      await lens('state machine').click();
+      await wb.click(lens('state machine'), node.first());
       await node.first().waitFor();
       const all = [];
       for (let round = 0; round < ROUNDS; round++) {

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { existsSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { until } from '../harness.mjs';
+import { LOST_MS, until } from '../harness.mjs';
 
 export const workspace = 'drift';
 
@@ -43,7 +43,7 @@ export function checks(wb) {
     for (let rest = 5; ; rest -= 1) {
       await wb.command('File: Save All Files');
       try {
-        return await dirty.waitFor({ state: 'detached', timeout: 5000 });
+        return await dirty.waitFor({ state: 'detached', timeout: LOST_MS / 2 });
       } catch (error) {
         if (rest === 0) throw error;
       }

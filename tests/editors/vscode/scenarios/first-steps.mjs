@@ -1,11 +1,20 @@
 // What a newcomer does first: open the example, see an error and its correction, look around.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
+import { readdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { until } from '../harness.mjs';
 
 export const workspace = 'maneuver';
 export const files = { 'typed.gen': '', 'snippet.gen': '' };
+
+/** The words of a process; none if it has ended. */
+function commandLine(pid) {
+  try {
+    return readFileSync(`/proc/${pid}/cmdline`, 'utf8').split('\0');
+  } catch {
+    return [];
+  }
+}
 
 /** The checks, in order; those with `demo` are what `cargo xtask demo --check` proves. */
 export function checks(wb) {
@@ -164,6 +173,20 @@ export function checks(wb) {
       await wb.shot('11-no-server.png');
       wb.folderSettings({});
       await ready();
+    }],
+    ['a server that hangs while it starts is given up for a corrected setting; a command waits for the server', async () => {
+      const path = join(wb.folder, 'hang.sh');
+      writeFileSync(path, '#!/bin/sh\nsleep 1000\n', { mode: 0o755 });
+      const hanging = () => readdirSync('/proc').filter((pid) => /^\d+$/.test(pid) && commandLine(pid).includes(path));
+      wb.folderSettings({ 'dotgen.server.path': path });
+      await page.locator('.notification-toast', { hasText: 'has to be restarted' }).getByRole('button', { name: 'Restart Server' }).click();
+      await until('the script runs', () => hanging().length === 1);
+      await wb.statusItem.locator('.codicon-loading').waitFor();
+      await wb.command('dotgen: Show Verification');
+      wb.folderSettings({});
+      await ready();
+      await page.locator('.tab.active', { hasText: 'Verification' }).waitFor();
+      await until('the script has ended', () => hanging().length === 0);
     }],
   ];
 

@@ -1,6 +1,6 @@
 // Files from a specification: a template is chosen, what it would write is shown, and only then written.
 import assert from 'node:assert/strict';
-import { existsSync, readFileSync, statSync } from 'node:fs';
+import { existsSync, readFileSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { until } from '../harness.mjs';
 
@@ -59,6 +59,19 @@ export function checks(wb) {
       await wb.command('dotgen: Regenerate');
       await notification('all files are up to date').waitFor();
       await wb.shot('generate-6-regenerate.png');
+    }],
+    ['a file that changes after the preview is not overwritten', async () => {
+      rmSync(at('bootstrap.sh'));
+      rmSync(at('codels/Makefile.am'));
+      await wb.command('dotgen: Regenerate');
+      await notification('Nothing is written yet').waitFor();
+      await page.locator('.multiDiffEntry').first().waitFor();
+      writeFileSync(at('codels/Makefile.am'), '# mine\n');
+      await page.locator('.editor-actions .action-item', { hasText: /^Write$/ }).first().click();
+      await notification('codels/Makefile.am changed after the preview').waitFor();
+      await until('the other file exists', () => existsSync(at('bootstrap.sh')));
+      assert.equal(readFileSync(at('codels/Makefile.am'), 'utf8'), '# mine\n');
+      await wb.shot('generate-8-changed.png');
     }],
     ['a file of a template has its errors as it is edited', async () => {
       await wb.open('printed.c');

@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { until } from '../harness.mjs';
+import { keyboard } from '../keyboard.mjs';
 
 export const workspace = undefined;
 
@@ -11,39 +12,12 @@ const MOST_PRESSES = 120;
 
 export function checks(wb) {
   const { page } = wb;
-  let presses = 0;
-  const press = async (...keys) => {
-    for (const key of keys) {
-      presses++;
-      await page.keyboard.press(key);
-      await page.evaluate(() => new Promise((next) => requestAnimationFrame(() => setTimeout(next, 0))));
-    }
-  };
-  const type = (text) => press(...[...text].map((key) => (key === '\n' ? 'Enter' : key)));
-  const input = page.locator('.quick-input-widget input.input').first();
+  const { count, press, type, command } = keyboard(wb);
   const titled = (text) => page.locator('.quick-input-title', { hasText: text });
   const lens = (text) => page.locator('.contentWidgets .codelens-decoration a', { hasText: text }).first();
   const errors = wb.squiggles();
   const marker = page.locator('.marker-widget, .monaco-editor .zone-widget');
   const text = (name) => readFileSync(join(wb.folder, name), 'utf8');
-  /** Runs a command of the palette. It drops what is typed while it is being filled: then it is opened again, and only the last try counts. */
-  async function command(words, title) {
-    const before = presses;
-    const row = page.locator('.quick-input-list .monaco-list-row.focused', { hasText: title }).first();
-    for (let attempt = 0; ; attempt++) {
-      await press('F1');
-      await input.waitFor();
-      await type(words);
-      try {
-        await row.waitFor({ timeout: 8000 });
-        return await press('Enter');
-      } catch (error) {
-        if (attempt === 4) throw error;
-        presses = before;
-        await page.keyboard.press('Escape');
-      }
-    }
-  }
 
   const more = [
     ['a component from nothing', async () => {
@@ -81,6 +55,7 @@ export function checks(wb) {
       const frame = await wb.pageWith('#tasks');
       await frame.locator('#state', { hasText: 'simulated' }).waitFor();
       await wb.shot('keys-5-simulated.png');
+      const presses = count.keys + count.typed;
       console.log(`    ${presses} presses`);
       assert.ok(presses <= MOST_PRESSES, `${presses} presses`);
     }],

@@ -6,8 +6,6 @@ import { until } from '../harness.mjs';
 
 export const workspace = 'quadcopter';
 export const beside = ['maneuver'];
-// VS Code lists what stands between the lines, unless that is set.
-export const settings = { 'comments.openView': 'never' };
 const FILE = 'nhfc.gen';
 
 export function checks(wb) {
@@ -19,6 +17,13 @@ export function checks(wb) {
   const cursorLine = () => page.locator('.monaco-editor .line-numbers.active-line-number').first().textContent();
   const lineOf = (text) => readFileSync(join(wb.folder, FILE), 'utf8').split('\n').findIndex((line) => line.includes(text)) + 1;
   const focusText = () => wb.command('View: Focus First Editor Group');
+  /** Pictures between the lines. */
+  const zones = page.locator('.review-widget img');
+  /** The states that are marked in a picture. */
+  const marked = async (img) => {
+    const svg = Buffer.from((await img.getAttribute('src')).split(',')[1], 'base64').toString();
+    return [...svg.matchAll(/class="node[^"]* marked" data-id="(\w+)"/g)].map(([, id]) => id);
+  };
   const edges = () => frame.locator('g.edge').evaluateAll((all) => all.map((it) => `${it.dataset.from} ${it.dataset.to}`));
 
   /** Accepts what the dialog for saving proposes. */
@@ -166,30 +171,89 @@ export function checks(wb) {
     ['it is there again after a reload of the window', async () => {
       await page.reload();
       await page.locator('.monaco-workbench').waitFor();
-      // Which of its machines: what the workbench had written down last, or that of the cursor.
-      await frame.locator('g.node[aria-label*="hfc_"]').first().waitFor();
+      // Which picture: what the workbench had written down last, at times the one of some seconds before.
+      await frame.locator('g.node').first().waitFor();
     }],
-    ['a command toggles the picture between the lines', async () => {
+    ['the hover of a state shows its machine, with the state marked', async () => {
       await focusText();
       await wb.command('View: Close Editors in Other Groups');
+      await wb.command('View: Close Primary Side Bar');
+      await page.setViewportSize({ width: 1000, height: 700 });
       await wb.open(FILE);
-      await wb.endOf(FILE, 'activity servo');
-      const zone = page.locator('.review-widget img');
+      await wb.endOf(FILE, 'codel<measure>');
       await page.keyboard.press('Home');
-      for (let i = 0; i < 'activity s'.length + 2; i++) await page.keyboard.press('ArrowRight');
-      await wb.command('dotgen: Toggle State Machine Between the Lines');
-      await zone.waitFor();
+      const hover = await wb.hover('yield pause::measure, pause::emergency', 'emergency');
+      assert.deepEqual(await marked(hover.locator('img')), ['emergency']);
+      const { width, height } = await hover.locator('img').boundingBox();
+      assert.ok(width <= 400 && height <= 220, `${width} ${height}`);
+      await wb.shot('preview-10-hover.png');
+      const task = await wb.hover('task main', 'main');
+      assert.deepEqual(await marked(task.locator('img')), []);
+      const codel = await wb.hover('codel<stop> hfc_main_stop', 'hfc_main_stop');
+      assert.equal(await codel.locator('img').count(), 0);
+    }],
+    ['a setting removes it', async () => {
+      wb.folderSettings({ 'dotgen.diagrams.hover': false });
+      await until('the picture is gone', async () => (await (await wb.hover('task main', 'main')).locator('img').count()) === 0);
+      wb.folderSettings({});
+      await page.mouse.move(5, 5);
+    }],
+    ['a key toggles the picture between the lines', async () => {
+      await wb.endOf(FILE, 'codel<control>');
+      await page.keyboard.press('Home');
+      await wb.press('Shift+Alt+M', zones.first());
       const body = page.locator('.review-widget .comment-body').first();
       assert.ok(await body.evaluate((it) => it.scrollHeight <= it.clientHeight + 1), 'nothing scrolls inside');
       assert.equal(await page.locator('.part.panel').isVisible(), false, 'the list of comments stays closed');
-      const first = await zone.getAttribute('src');
-      await wb.shot('preview-10-inline.png');
+      await until('control is marked', async () => (await marked(zones.first())).join() === 'control');
+      await until('the whole picture is in sight', async () => {
+        const { y, height } = await zones.first().boundingBox();
+        return y + height < 660;
+      });
+      assert.ok(await wb.line('codel<control>').isVisible(), 'and so is the cursor');
+      await wb.shot('preview-11-inline.png');
+    }],
+    ['the mark follows the cursor, and the cursor the links', async () => {
+      await wb.endOf(FILE, 'codel<measure>');
+      await until('measure is marked', async () => (await marked(zones.first())).join() === 'measure');
+      await page.locator('.review-widget a', { hasText: 'emergency' }).click();
+      await until('the cursor is there', async () => Number(await cursorLine()) === lineOf('codel<emergency>'));
+      await until('emergency is marked', async () => (await marked(zones.first())).join() === 'emergency');
+    }],
+    ['a click on it opens the preview', async () => {
+      await zones.first().click();
+      await node('emergency').waitFor();
+      await focusText();
+      await wb.command('View: Close Editors in Other Groups');
+    }],
+    ['it has the colours of the theme, and is there again after a reload', async () => {
+      const dark = await zones.first().getAttribute('src');
+      wb.folderSettings({ 'workbench.colorTheme': 'Default Light Modern' });
+      await page.locator('.monaco-workbench.vs').waitFor();
+      await until('it is light', async () => (await zones.first().getAttribute('src')) !== dark);
+      await wb.shot('preview-12-inline-light.png');
+      wb.folderSettings({});
+      await page.locator('.monaco-workbench.vs-dark').waitFor();
+      await page.reload();
+      await zones.first().waitFor();
+      await until('it is marked', async () => (await marked(zones.first())).length === 1);
+    }],
+    ['a second one follows the text, and a lens toggles it where the settings say', async () => {
+      wb.folderSettings({ 'dotgen.diagrams.open': 'inline' });
       await wb.endOf(FILE, 'codel<track>');
+      await wb.press('Shift+Alt+M', page.locator('.review-widget img[alt*="servo"]'));
+      const zone = page.locator('.review-widget img[alt*="servo"]');
+      const first = await zone.getAttribute('src');
       await page.keyboard.press('ArrowLeft');
       await wb.type(', ether');
       await until('it follows the text', async () => (await zone.getAttribute('src')) !== first);
+      await wb.shot('preview-13-inline-two.png');
       await wb.command('dotgen: Toggle State Machine Between the Lines');
       await zone.waitFor({ state: 'detached' });
+      await wb.command('File: Revert File');
+      await wb.endOf(FILE, 'task main {');
+      const lens = page.locator('.codelens-decoration a', { hasText: 'state machine' }).first();
+      await wb.click(lens, zones, 'detached');
     }],
   ];
   return { more };

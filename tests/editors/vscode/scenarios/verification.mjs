@@ -99,7 +99,7 @@ export function checks(wb) {
       await page.keyboard.press('Control+J');
     }],
     ['a click on the verdict opens the run at its failure', async () => {
-      await lens('✗ can be late').click();
+      await wb.click(lens('✗ can be late'), page.locator('.part.panel'));
       let trace;
       await until('the viewer is there', async () => {
         for (const it of page.frames()) if ((await it.locator('#sheet canvas').count().catch(() => 0)) > 0) trace = it;

@@ -237,3 +237,63 @@ test('chains that no scenario asks for: how to ask is said, and a scenario is of
   assert.deepEqual(await last(it), { type: 'scenario' });
   await it.page.close();
 });
+
+/** A machine of 40 states, 8 in a row, with `start` in the middle. */
+function large() {
+  const names = Array.from({ length: 40 }, (_, i) => (i === 20 ? 'start' : `s${i}`));
+  const states = names.map((name, i) => {
+    const [x, y] = [(i % 8) * 400 + 100, Math.floor(i / 8) * 400 + 100];
+    return `<g class="node state" data-id="${name}" data-names="${name}" tabindex="0" role="graphics-symbol" aria-label="state ${name}"><rect class="shape" x="${x}" y="${y}" width="90" height="40"/><text x="${x + 8}" y="${y + 24}">${name}</text></g>`;
+  });
+  const change = () => `<svg xmlns="http://www.w3.org/2000/svg" width="3200" height="2200" viewBox="0 0 3200 2200" role="graphics-document" aria-label="large"><style>text{font:11px sans-serif}.shape{fill:none;stroke:gray}</style>${states.join('')}</svg>`;
+  return picture('fsm', 'goto', { change, subject: { component: 'large', owner: 'main' } });
+}
+
+/** The scale of the picture, and how far a node is from the middle of the view. */
+async function placed(it, id) {
+  const scale = await it.page.locator('#view svg').evaluate((svg) => svg.getBoundingClientRect().width / svg.viewBox.baseVal.width);
+  const [view, box] = [await it.page.locator('#view').boundingBox(), await node(it, id).boundingBox()];
+  const away = Math.hypot(box.x + box.width / 2 - view.x - view.width / 2, box.y + box.height / 2 - view.y - view.height / 2);
+  return { scale, away };
+}
+
+test('a large machine opens at its natural size on its first state, and then on the state at the cursor', async () => {
+  const it = await pages.open({ width: 700, height: 700 });
+  await it.send(large());
+  let at = await placed(it, 'start');
+  assert.ok(Math.abs(at.scale - 1) < 0.01 && at.away < 20, JSON.stringify(at));
+  if (process.env.SHOTS) await it.page.screenshot({ path: `${process.env.SHOTS}/diagram-large.png` });
+  await it.send({ type: 'highlight', id: 's29' });
+  at = await placed(it, 's29');
+  assert.ok(Math.abs(at.scale - 1) < 0.01 && at.away < 20, JSON.stringify(at));
+  // What is typed does not move the picture.
+  await it.send(large());
+  assert.ok((await placed(it, 's29')).away < 20);
+  // What is found comes to the middle.
+  await it.page.locator('#search').fill('s13');
+  assert.ok((await placed(it, 's13')).away < 20);
+  await it.page.locator('#search').fill('');
+  await it.page.locator('#fit').click();
+  assert.ok((await placed(it, 'start')).scale < 7 / 11);
+  assert.equal(await it.page.locator('#view').evaluate((view) => view.scrollWidth <= view.clientWidth && view.scrollHeight <= view.clientHeight), true);
+  await it.page.locator('#search').fill('s13');
+  at = await placed(it, 's13');
+  assert.ok(Math.abs(at.scale - 1) < 0.01 && at.away < 20, JSON.stringify(at));
+  await it.page.close();
+});
+
+test('a machine that is legible when it is fitted opens whole, and fitting enlarges a small picture', async () => {
+  const it = await pages.open({ width: 900, height: 700 });
+  const cut = () => it.page.locator('#view').evaluate((view) => view.scrollWidth > view.clientWidth || view.scrollHeight > view.clientHeight);
+  await it.send(large());
+  await it.send(picture('fsm', 'goto', { subject: { component: 'maneuver', owner: 'goto' } }));
+  assert.equal(await cut(), false);
+  await it.page.setViewportSize({ width: 2000, height: 2000 });
+  await it.frame();
+  assert.ok(Math.abs((await placed(it, 'start')).scale - 1.5) < 0.01);
+  for (let i = 0; i < 6; i++) await it.page.locator('#out').click();
+  await it.page.locator('body').press('0');
+  assert.ok(Math.abs((await placed(it, 'start')).scale - 1.5) < 0.01);
+  assert.equal(await cut(), false);
+  await it.page.close();
+});

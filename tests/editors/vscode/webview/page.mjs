@@ -48,19 +48,19 @@ export async function violations(page) {
   return all.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html.slice(0, 200)).join(' ')}`);
 }
 
-/** Bundles a page: `html` makes its text with a module of the extension, `script` is its bundle. */
+/** Bundles a page: `html` makes its text with a module of the extension, `script` and `style` are its bundle. */
 async function bundled(module, script) {
   const folder = mkdtempSync(join(tmpdir(), 'dotgen-page-'));
   try {
     const [html, js] = [join(folder, 'page.mjs'), join(folder, 'script.js')];
     const vscode = { name: 'vscode', setup: (it) => {
       it.onResolve({ filter: /^vscode$/ }, () => ({ path: 'vscode', namespace: 'stub' }));
-      it.onLoad({ filter: /.*/, namespace: 'stub' }, () => ({ contents: 'export const Uri = { joinPath: () => "/script.js" };' }));
+      it.onLoad({ filter: /.*/, namespace: 'stub' }, () => ({ contents: 'export const Uri = { joinPath: () => "/script" };' }));
     } };
     await build({ entryPoints: [join(extension, module)], bundle: true, platform: 'node', format: 'esm', outfile: html, plugins: [vscode] });
     await build({ entryPoints: [join(extension, script)], bundle: true, platform: 'browser', format: 'iife', target: 'es2022', minify: true, outfile: js });
     const { page } = await import(html);
-    return { html: page({ asWebviewUri: (it) => it }, {}), script: readFileSync(js, 'utf8') };
+    return { html: page({ asWebviewUri: (it) => it }, {}), script: readFileSync(js, 'utf8'), style: readFileSync(join(folder, 'script.css'), 'utf8') };
   } finally {
     rmSync(folder, { recursive: true, force: true });
   }
@@ -81,6 +81,7 @@ export async function opener(module, script) {
         const { pathname } = new URL(route.request().url());
         if (pathname === '/') return route.fulfill({ contentType: 'text/html', body: parts.html });
         if (pathname === '/script.js') return route.fulfill({ contentType: 'text/javascript', body: parts.script });
+        if (pathname === '/script.css') return route.fulfill({ contentType: 'text/css', body: parts.style });
         return route.fulfill({ status: 204, body: '' });
       });
       await page.addInitScript(({ kind, ...colours }) => {

@@ -183,3 +183,114 @@ test('the keyboard alone reaches everything that can be pressed', async () => {
   for (let i = 0; i < count; i++) assert.ok(seen.has(String(i)), `${i} is not reached`);
   await it.page.close();
 });
+
+/** A run of five components with their tasks, ports and services. */
+function large(more = {}) {
+  const names = ['optitrack', 'pom', 'nhfc', 'maneuver', 'rotorcraft'];
+  const tasks = names.flatMap((name, i) => ['main', 'plan', 'publish'].map((task, k) => ({ task: `${name}.${task}`, jobs: 1000 * (k + 1), greatest: 2.5 + k, mean: 1.2, bound: 4 + k, period: 5, missed: i === 2 && k === 1 ? 3 : 0, load: 0.04 * (i + 1) + 0.07 * k })));
+  const values = (k) => Array.from({ length: 60 }, (_, i) => Math.sin((i + 7 * k) / (5 + k)) * (k + 1));
+  const pose = { ts: { sec: 12, nsec: 5 }, pos: { x: 1.25, y: -0.5, z: 2 }, att: { qw: 1, qx: 0, qy: 0, qz: 0 } };
+  const ports = names.map((name, i) => ({ name: `${name}/${['bodies', 'frame', 'rotors', 'desired', 'imu'][i]}`, doc: 'what it has', value: JSON.stringify(pose), series: ['ts.sec', 'ts.nsec', 'pos.x', 'pos.y', 'pos.z', 'att.qw'].map((member, k) => ({ name: member, values: values(k) })) }));
+  const inputs = ['x', 'y', 'z', 'yaw', 'duration'].map((name) => ({ name, default: 0, schema: { type: ['number', 'null'], description: `The ${name} to reach`, unit: 'm' } }));
+  const services = names.flatMap((name) => ['connect', 'goto', 'stop', 'log', 'set_gains', 'reset'].map((one, k) => ({ name: `${name}.${one}`, kind: 'activity', doc: `Does ${one}.`, inputs: k % 3 === 1 ? inputs : [], answer: '', active: name === 'pom' && one === 'goto' })));
+  const told = Array.from({ length: 12 }, (_, i) => ({ unit: 'ms', what: 'response nhfc.plan', violation: { at: { time: 200 + 10 * i }, kind: 'check', check: 0 } }));
+  const progress = { unit: 'ms', time: 1500, tasks, machines: [], activities: [], 'violation-count': told.length };
+  return view({ name: 'flight.scn', services, ports, violations: told, progress, ...more });
+}
+
+for (const theme of Object.keys(THEMES)) {
+  test(`a large system begins with what moves: ${theme}`, async () => {
+    const it = await pages.open({ theme, width: 1000, height: 700 });
+    const message = large();
+    for (const time of [500, 800, 1000, 1200, 1300, 1500]) {
+      const tasks = message.view.progress.tasks.map((task) => ({ ...task, load: task.load * (1 + Math.sin(time) / 3) }));
+      await it.send(large({ progress: { ...message.view.progress, time, tasks } }));
+    }
+    const lines = await it.page.locator('#components tbody tr').evaluateAll((all) => all.map((row) => [...row.cells].map((cell) => cell.textContent)));
+    assert.deepEqual(lines.map((cells) => cells.slice(0, 3)), [
+      ['optitrack', '0', '0'], ['pom', '0', '0'], ['nhfc', '12', '3'], ['maneuver', '0', '0'], ['rotorcraft', '0', '0'],
+    ]);
+    assert.equal(await it.page.locator('#components .plot svg').count(), 5);
+    // The newest violation is in sight, and services are folded.
+    const box = await it.page.locator('#violated').evaluate((all) => all.scrollTop + all.clientHeight >= all.scrollHeight - 2);
+    assert.equal(box, true);
+    assert.equal(await it.page.locator('form:visible').count(), 0);
+    assert.deepEqual(await it.page.locator('#services summary').allInnerTexts(), ['optitrack6 services', 'pom6 services · 1 active', 'nhfc6 services', 'maneuver6 services', 'rotorcraft6 services']);
+    assert.ok(await it.page.evaluate(() => document.documentElement.scrollHeight) < 1400, 'the page is short');
+    assert.equal(await it.page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), true);
+    if (process.env.SHOTS) {
+      await it.page.screenshot({ path: `${process.env.SHOTS}/large-${theme}.png` });
+      await it.page.screenshot({ path: `${process.env.SHOTS}/large-${theme}-all.png`, fullPage: true });
+    }
+    assert.deepEqual(await violations(it.page), []);
+    await it.page.locator('.port summary').first().click();
+    await it.page.locator('#services summary').first().click();
+    assert.deepEqual(await violations(it.page), []);
+    assert.deepEqual(it.errors, []);
+    await it.page.close();
+  });
+}
+
+test('the filter opens what matches, by keyboard alone', async () => {
+  const it = await pages.open({ width: 1000, height: 700 });
+  await it.send(large());
+  await it.page.keyboard.press('/');
+  await it.page.keyboard.type('nhfc goto');
+  assert.equal(await it.page.locator('#found').innerText(), '1 found');
+  assert.deepEqual(await it.page.locator('form:visible .name').allInnerTexts(), ['nhfc.goto']);
+  assert.equal(await it.page.locator('#ports').isVisible(), false);
+  if (process.env.SHOTS) await it.page.screenshot({ path: `${process.env.SHOTS}/large-filter.png` });
+  await it.page.keyboard.press('Enter');
+  assert.equal(await it.page.evaluate(() => document.activeElement?.getAttribute('aria-label')), 'x');
+  await it.page.keyboard.type('2');
+  await it.page.keyboard.press('Enter');
+  assert.deepEqual((await it.said()).at(-1), { type: 'call', service: 'nhfc.goto', inputs: { x: 2 } });
+  // What is typed and the filter are there when the page is made again.
+  await it.page.reload();
+  await it.send(large());
+  assert.equal(await it.page.getByLabel('x', { exact: true }).locator('visible=true').inputValue(), '2');
+  await it.page.locator('#filter').focus();
+  await it.page.keyboard.press('Escape');
+  assert.equal(await it.page.locator('form:visible').count(), 0);
+  await it.page.locator('#services summary', { hasText: 'pom' }).focus();
+  await it.page.keyboard.press('Enter');
+  assert.equal(await it.page.locator('form:visible').count(), 6);
+  // A component that is opened stays open, also while values come and when the page is made again.
+  await it.frame();
+  await it.send(large());
+  assert.equal(await it.page.locator('form:visible').count(), 6);
+  await it.page.reload();
+  await it.send(large());
+  assert.equal(await it.page.locator('form:visible').count(), 6);
+  await it.page.close();
+});
+
+test('in a narrow panel, tables that are scrolled sideways take the focus', async () => {
+  const it = await pages.open({ width: 380, height: 700 });
+  await it.send(large());
+  // Times and their limits fit; other columns are left out.
+  assert.equal(await it.page.locator('.tables[tabindex]').count(), 0);
+  await it.page.setViewportSize({ width: 420, height: 700 });
+  await it.frame();
+  assert.deepEqual(await violations(it.page), []);
+  assert.equal(await it.page.locator('#components .tables[tabindex]').count(), 0);
+  await it.page.locator('#tasks .tables').focus();
+  await it.page.keyboard.press('ArrowRight');
+  await it.page.waitForFunction(() => document.querySelector('#tasks .tables').scrollLeft > 0);
+  await it.page.setViewportSize({ width: 1000, height: 700 });
+  await it.frame();
+  assert.equal(await it.page.locator('.tables[tabindex]').count(), 0);
+  await it.page.close();
+});
+
+test('a port opens to its whole value, and stays open with the focus while values come', async () => {
+  const it = await pages.open({ width: 1000, height: 700 });
+  await it.send(view({}));
+  const summary = it.page.locator('.port summary');
+  await summary.focus();
+  await it.page.keyboard.press('Enter');
+  await it.send(view({ ports: [{ ...port, value: '{"z":9}', series: [{ name: 'z', values: [1, 2, 9] }] }] }));
+  assert.equal(await it.page.locator('.port pre').innerText(), '{\n  "z": 9\n}');
+  assert.equal(await summary.evaluate((one) => one === document.activeElement), true);
+  await it.page.close();
+});

@@ -423,6 +423,26 @@ impl SystemRules<'_> {
         out
     }
 
+    /// Returns the codel with the locks for which an executor waits. Of executors ahead in its queue, the
+    /// codel for which they wait.
+    pub(super) fn holder_of_locks(&self, s: &State, executor: usize) -> Option<CodelId> {
+        let l = &self.layout;
+        let holder = |waiting: usize| {
+            let waiting = &self.system.codels[self.codel(s, waiting)?];
+            l.executing(s).find(|&other| self.blocks(s, waiting, other))
+        };
+        let ahead = || {
+            let waiting = &self.system.codels[self.codel(s, executor)?];
+            let queue = l.lock_queue(s, self.component_of(executor)?).iter();
+            let ahead = queue.map(|&other| other as usize).take_while(|&other| other != executor);
+            let blocks = |&other: &usize| {
+                self.points.locks == LockRule::Queue || self.blocks(s, waiting, other)
+            };
+            ahead.filter(blocks).find_map(holder)
+        };
+        self.codel(s, holder(executor).or_else(ahead)?)
+    }
+
     /// Returns the work of an executor, as a codel that keeps others waiting.
     fn blocker(&self, s: &State, executor: usize, ahead: bool) -> Option<Blocker> {
         Some(Blocker { codel: self.codel(s, executor)?, by: self.executing(executor), ahead })

@@ -254,6 +254,10 @@ impl Rules for SystemRules<'_> {
         self.at_start()
     }
 
+    fn lock_holder(&self, s: &State, executor: usize) -> Option<CodelId> {
+        self.holder_of_locks(s, executor)
+    }
+
     #[inline]
     fn enabled(&self, s: &State, out: &mut Enabled) {
         self.list_enabled(s, out);

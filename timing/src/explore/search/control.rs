@@ -16,6 +16,7 @@ use super::goals::GoalId;
 use super::layers::trace::Target;
 use super::layers::{Layers, PollControl};
 use super::zones::{self, ZoneResult, ZoneSearch};
+use crate::explore::ChainSpans;
 use crate::explore::findings::{Bound, Findings, Found, Measured};
 use crate::explore::measure::MeasurementMode;
 use crate::explore::reductions::{Activity, Kind, Reason, Reduced};
@@ -254,6 +255,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
             absent: (self.zone_search.absent())
                 .map_or_else(|| layers.observations.seen.absent.clone(), Clone::clone),
             no_deadlock: self.zone_search.never_deadlocked(),
+            chain: ChainSpans::default(),
             deadlock: deadlock.map(|at| Found { run: layers.trace(at, &Target::Deadlock) }),
             refused: self.refused(layers),
             restarts: restarts.collect(),

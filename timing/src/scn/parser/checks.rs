@@ -15,6 +15,7 @@ pub(in crate::scn) const CHECKS: &[&str] = &[
     "leadsto",
     "eventually",
     "always",
+    "never",
     "reachable",
     "deadlock",
 ];
@@ -53,10 +54,11 @@ impl Parser<'_> {
                 let (p, q) = self.implication()?;
                 CheckKind::LeadsTo(p, q)
             }
-            "eventually" => CheckKind::Eventually(self.pred()?),
-            "always" => CheckKind::Always(self.pred()?),
+            "eventually" => CheckKind::Eventually(self.formula()?),
+            "always" => CheckKind::Always(self.formula()?),
+            "never" => CheckKind::Always(Pred::Not(Box::new(self.formula()?))),
             "deadlock" => CheckKind::Deadlock,
-            _ => CheckKind::Reachable(self.pred()?),
+            _ => CheckKind::Reachable(self.formula()?),
         };
         Some(Check { name, subject: None, kind, range: start..self.end() })
     }
@@ -89,6 +91,18 @@ impl Parser<'_> {
         Some(Some((count, self.unit()?)))
     }
 
+    /// A predicate in which `P => Q` stands for `not P or Q`. `=>` binds weaker than `or`, to the right.
+    fn formula(&mut self) -> Option<Pred> {
+        self.nested(|parser| {
+            let left = parser.pred()?;
+            if !parser.eat(Kind::Implies) {
+                return Some(left);
+            }
+            let not = Pred::Not(Box::new(left));
+            Some(Pred::Or(Box::new(not), Box::new(parser.formula()?)))
+        })
+    }
+
     fn pred(&mut self) -> Option<Pred> {
         let mut left = self.conjunction()?;
         while self.eat_word("or") {
@@ -114,7 +128,7 @@ impl Parser<'_> {
                 return Some(Pred::Leave(parser.path()?));
             }
             if parser.eat(Kind::OpenParen) {
-                let pred = parser.pred()?;
+                let pred = parser.formula()?;
                 parser.expect(Kind::CloseParen, "`)`")?;
                 return Some(pred);
             }

@@ -9,6 +9,7 @@ use crate::scn::semantics::{LockRule, PauseRule, PortRule, Preset, TickRule, Tur
 /// Words that begin an item.
 pub(in crate::scn) const ITEMS: &[&str] = &[
     "use",
+    "times",
     "unit",
     "semantics",
     "cores",
@@ -79,6 +80,13 @@ impl Parser<'_> {
         out
     }
 
+    fn file(&mut self, what: &str) -> Option<Spanned<String>> {
+        let range = self.range();
+        self.expect(Kind::Text, what)?;
+        let value = self.text[range.start + 1..range.end - 1].to_owned();
+        Some(Spanned { value, range })
+    }
+
     fn item(&mut self) -> Option<Item> {
         let start = self.range().start;
         let word = self.word();
@@ -88,12 +96,8 @@ impl Parser<'_> {
         }
         self.at += 1;
         let item = match word {
-            "use" => {
-                let range = self.range();
-                self.expect(Kind::Text, "the name of a `.gen` file in quotes")?;
-                let value = self.text[range.start + 1..range.end - 1].to_owned();
-                Item::Use(Spanned { value, range })
-            }
+            "use" => Item::Use(self.file("the name of a `.gen` file in quotes")?),
+            "times" => Item::Times(self.file("the name of a `.wcet` file in quotes")?),
             "unit" => {
                 let count = self.number()?;
                 let range = self.range();

@@ -44,6 +44,14 @@ impl Builder<'_> {
                 "durations: explored from 0 on instead of from just above 0; a failure may be a false alarm".to_owned(),
             ),
         }
+        for (file, count) in &self.timed_by {
+            let codels = if *count == 1 {
+                "1 codel has its".to_owned()
+            } else {
+                format!("{count} codels have their")
+            };
+            say(format!("times: {codels} worst case from `{file}`"));
+        }
         match settings.cores {
             None => say("cores: no limit".to_owned()),
             Some(cores) => say(match settings.policy() {

@@ -91,7 +91,11 @@ impl Builder<'_> {
             .durations
             .get(&(c, owner, index, state.to_owned()))
             .map(|&duration| self.settings.duration[duration].0.range());
-        let untimed = codel.wcet.is_none() && given.is_none();
+        let of_file = self.given_by(c, codel).filter(|_| codel.wcet.is_none() && given.is_none());
+        if let Some((_, file)) = of_file {
+            *self.timed_by.entry(file).or_default() += 1;
+        }
+        let untimed = codel.wcet.is_none() && given.is_none() && of_file.is_none();
         if untimed {
             let remark = Remark::NoWcet { codel: codel.name.to_string(), path: path.to_string() };
             let place = self.place(c, codel.src, "no `wcet`");

@@ -22,7 +22,7 @@ pub(super) struct TimeOf {
     pub(super) place: Place,
 }
 
-impl Builder<'_> {
+impl<'b> Builder<'b> {
     pub(super) fn override_durations(&mut self) {
         for (i, (path, ..)) in self.settings.duration.iter().enumerate() {
             let key = match self.names.resolve(path) {
@@ -102,9 +102,22 @@ impl Builder<'_> {
             let seconds = |number: u64| unit.seconds() * Ratio::from_integer(i128::from(number));
             (seconds(interval.lower), interval.upper.map(seconds))
         } else {
-            let wcet = codel.and_then(|codel| codel.wcet.as_ref()).map_or(zero, |wcet| wcet.value);
-            (zero, Some(wcet))
+            let wcet = codel.and_then(|codel| self.worst_case(c, codel));
+            (zero, Some(wcet.unwrap_or(zero)))
         }
+    }
+
+    /// Returns the worst case of a codel: that of the specification, or of a file of execution times.
+    fn worst_case(&self, c: usize, codel: &ModelCodel) -> Option<Seconds> {
+        let of_file = || self.given_by(c, codel).map(|(time, _)| time);
+        codel.wcet.as_ref().map(|wcet| wcet.value).or_else(of_file)
+    }
+
+    /// Returns the time of a codel in a file of execution times, and the name of the file.
+    pub(super) fn given_by(&self, c: usize, codel: &ModelCodel) -> Option<(Seconds, &'b str)> {
+        let beside = self.names.components[c].spec_index;
+        let given = |spec| self.given.get(&(spec, codel.name.as_str())).copied();
+        given(None).or_else(|| given(Some(beside)))
     }
 
     /// Returns the unit of the scenario, if it states one.

@@ -108,6 +108,32 @@ pub(crate) fn occasional(dice: &mut Dice) -> Texts {
     draw(dice, occasional)
 }
 
+/// Returns a system under preemption, with all other points of the semantics as they are.
+pub(crate) fn preempted(dice: &mut Dice) -> Texts {
+    let quiet = dice.in_ten(4);
+    let mut out = draw(dice, Known { quiet, periodic: quiet, ..Known::default() });
+    for specification in &mut out.specifications {
+        let lines = specification.lines().map(|line| {
+            if line.starts_with("  period") && dice.in_ten(7) {
+                format!("{line}\n  priority {};\n", dice.below(4))
+            } else {
+                format!("{line}\n")
+            }
+        });
+        *specification = lines.collect();
+    }
+    let lines = out.scenario.lines().map(|line| match line.split_once(" durations ") {
+        Some((_, durations)) => {
+            let (cores, policy) =
+                (dice.pick(&["1", "1", "2", "3"]), dice.pick(&["priority", "priority", "fair"]));
+            format!(" cores {cores}; policy {policy}; durations {durations}\n")
+        }
+        None => format!("{line}\n"),
+    });
+    out.scenario = lines.collect();
+    out
+}
+
 /// Returns a system of two equal components with equal clients, or of a component with two equal clients.
 /// Sometimes they differ, or only one of them is observed.
 pub(crate) fn alike(dice: &mut Dice) -> Texts {

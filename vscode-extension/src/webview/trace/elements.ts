@@ -1,26 +1,10 @@
 // Parts of the page that tell of a trace in words: pure functions from a trace to elements.
 import type { Span, Trace } from '../../trace/form';
+import { node, rich } from '../element';
 import { time } from '../unit';
 import { words } from './draw';
 import type { At } from './moment';
 import { sums } from './sums';
-
-/** Text in which `this` is code. */
-export function rich(text: string): (Node | string)[] {
-  return text.split('`').map((part, i) => {
-    if (i % 2 === 0) return part;
-    const code = document.createElement('code');
-    code.textContent = part;
-    return code;
-  });
-}
-
-export function node<K extends keyof HTMLElementTagNameMap>(tag: K, content: (Node | string)[], className = ''): HTMLElementTagNameMap[K] {
-  const it = document.createElement(tag);
-  it.append(...content);
-  if (className !== '') it.className = className;
-  return it;
-}
 
 /** A list of names with their values. */
 function list(rows: [string, string][]): HTMLElement {

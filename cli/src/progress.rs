@@ -1,4 +1,4 @@
-//! The progress of a long verification: one line on the terminal, which is cleared at the end.
+//! The progress of a long command: one line on the terminal, which is cleared at the end.
 
 use std::io::{IsTerminal, Write};
 use std::sync::{Condvar, Mutex, PoisonError};
@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use dotgen_timing::verify::{Cancel, Effort};
 
-/// Time before the line is drawn: short verifications show none.
+/// Time before the line is drawn: short commands show none.
 const FIRST_DRAW_DELAY: Duration = Duration::from_secs(1);
 const REDRAW_INTERVAL: Duration = Duration::from_millis(250);
 
@@ -15,16 +15,17 @@ const WIDTH: usize = 78;
 
 /// The current work.
 #[derive(Clone, Default)]
-pub(super) struct Activity {
+pub(crate) struct Activity {
     /// The work as text, shortened if it is too long.
-    pub(super) what: String,
+    pub(crate) what: String,
     /// The finished part of the work, if it is known.
-    pub(super) how_far: String,
+    pub(crate) how_far: String,
 }
 
-/// Does some work, which sets its activity, and keeps the line up to date meanwhile.
-pub(super) fn during<R>(
-    cancel: &Cancel,
+/// Does some work, which sets its activity, and keeps the line up to date meanwhile. The line has the effort
+/// of a verification, if `cancel` counts one.
+pub(crate) fn during<R>(
+    cancel: Option<&Cancel>,
     doing: &str,
     work: impl FnOnce(&(dyn Fn(Activity) + Sync)) -> R,
 ) -> R {
@@ -65,7 +66,7 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 }
 
 impl Shared {
-    fn paint(&self, cancel: &Cancel, line: &mut Line<impl Write>) {
+    fn paint(&self, cancel: Option<&Cancel>, line: &mut Line<impl Write>) {
         let start = Instant::now();
         let mut pause = FIRST_DRAW_DELAY;
         let mut over = lock(&self.over);
@@ -74,7 +75,7 @@ impl Shared {
             over = waited.unwrap_or_else(PoisonError::into_inner).0;
             if !*over {
                 let doing = lock(&self.doing).clone();
-                line.show(&words(&doing, cancel.effort(), start.elapsed()));
+                line.show(&words(&doing, cancel.map(Cancel::effort), start.elapsed()));
             }
             pause = REDRAW_INTERVAL;
         }
@@ -83,10 +84,16 @@ impl Shared {
 }
 
 /// `verifying hover: 5 of 7 checks answered, 1203456 states, 12 s, 340 MB`
-fn words(Activity { what, how_far }: &Activity, effort: Effort, elapsed: Duration) -> String {
-    let Effort { states, bytes } = effort;
+fn words(
+    Activity { what, how_far }: &Activity,
+    effort: Option<Effort>,
+    elapsed: Duration,
+) -> String {
     let how_far = if how_far.is_empty() { String::new() } else { format!("{how_far}, ") };
-    let so_far = format!(": {how_far}{states} states, {} s, {} MB", elapsed.as_secs(), bytes >> 20);
+    let (states, bytes) = effort.map_or((String::new(), String::new()), |effort| {
+        (format!("{} states, ", effort.states), format!(", {} MB", effort.bytes >> 20))
+    });
+    let so_far = format!(": {how_far}{states}{} s{bytes}", elapsed.as_secs());
     let left = WIDTH.saturating_sub(so_far.len());
     if what.char_indices().nth(left).is_none() {
         format!("{what}{so_far}")
@@ -131,7 +138,7 @@ mod tests {
         let after = Duration::from_millis(12_700);
         let words = |what: &str, how_far: &str| {
             let (what, how_far) = (what.to_owned(), how_far.to_owned());
-            words(&Activity { what, how_far }, effort, after)
+            words(&Activity { what, how_far }, Some(effort), after)
         };
         assert_eq!(words("verifying hover", ""), "verifying hover: 1203456 states, 12 s, 340 MB");
         assert_eq!(
@@ -142,6 +149,8 @@ mod tests {
         let line = words(&long, "2 of 9");
         assert!(line.chars().count() <= WIDTH, "{line}");
         assert!(line.ends_with("é …: 2 of 9, 1203456 states, 12 s, 340 MB"), "{line}");
+        let compiling = Activity { what: "compiling".into(), how_far: "1 of 3 files".into() };
+        assert_eq!(super::words(&compiling, None, after), "compiling: 1 of 3 files, 12 s");
     }
 
     #[test]
@@ -161,7 +170,7 @@ mod tests {
         let shared =
             Shared { doing: Mutex::default(), over: Mutex::new(true), ended: Condvar::new() };
         let mut out = Vec::new();
-        shared.paint(&Cancel::default(), &mut Line::new(&mut out));
+        shared.paint(None, &mut Line::new(&mut out));
         assert_eq!(out, b"");
     }
 }

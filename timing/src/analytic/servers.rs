@@ -1,0 +1,543 @@
+//! Response-time analysis under the semantics of the servers.
+//!
+//! A cycle is a sequence of codels, and before each of them its task takes a ticket. At that moment every
+//! other thread of the component is ahead with at most one codel, in the queue or executing; its later
+//! tickets come behind. The head of the queue waits for codels that execute, the next codel waits for the
+//! head to begin, and so on. Until the task has its turn, at most one codel of each other thread has ended
+//! for which a codel of a third thread or of the task waited. So a cycle takes at most the sum, over its
+//! codels, of their times and of the longest such codel of each other thread ([`Window::cycle`]). A codel
+//! that its activity executes only once counts once for each instance.
+//!
+//! With fewer cores than tasks, a job also waits for cores ([`cores`]). What a task can execute in a window
+//! of time depends on the requests that play a part in it ([`super::windows`]): the bound is the greatest of
+//! those of all windows. The bounds are the least fixed point of these equations; no job can be the first to
+//! exceed its own bound.
+//!
+//! If a bound is less than the period, no tick comes during a cycle, and every measured job is one cycle,
+//! which starts at its tick. The first cycle of a task begins at its first tick, or later with a kept tick:
+//! when the first passes of the earlier tasks of the component have ended. A tick that comes during it is
+//! kept, and the second cycle follows at once. So no tick comes during the second cycle if both together take
+//! less than the period, or if the latest end of the first cycle and the length of the second one lie before
+//! the next tick.
+//!
+//! Nothing here depends on the times at which codels end: the bounds hold for any duration up to the longest,
+//! also if it is not a whole number of units.
+
+use std::cell::OnceCell;
+
+use typed_index_collections::{TiVec, ti_vec};
+
+use super::windows::{ClientWindow, situations, stops, windows};
+use crate::system::loops::pauseless_cycles;
+use crate::system::{
+    AutomatonId, CodelId, CodelSet, FOREVER, Machine, ServiceId, TaskId, Ticks, TimedSystem, Yield,
+};
+
+mod cores;
+
+pub(super) use self::cores::longest_wait;
+
+/// Upper limit on the number of rounds: a quick bound must be quick.
+const ROUNDS: usize = 1000;
+
+/// The greatest times of a task, in base units. `None`: no bound below the period is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Bound {
+    /// From the beginning of the first cycle, the start-up, to the end of its first pass.
+    pass: Option<u64>,
+    /// From the beginning of the first cycle to its end. An aperiodic task has none.
+    first: Option<u64>,
+    /// From the tick of another cycle to its end.
+    other: Option<u64>,
+}
+
+/// A cycle, or a part of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Cycle {
+    /// The first pass of the first cycle.
+    FirstPass,
+    First,
+    Other,
+}
+
+/// The times at which a task begins, and the bound that follows from them.
+#[derive(Debug, Clone, Copy, Default)]
+struct Known {
+    /// The earliest beginning of the first cycle.
+    begins: u64,
+    /// The first tick that can come after it: no measured job begins earlier.
+    next: u64,
+    /// The latest end of the first cycle.
+    ends: Option<u64>,
+    /// The greatest time from a tick to the end of the cycle that serves it, if the task meets its deadlines.
+    after_tick: Option<u64>,
+}
+
+/// Returns the known times of each task.
+fn known(system: &TimedSystem, bounds: &TiVec<TaskId, Bound>) -> TiVec<TaskId, Known> {
+    let mut out = ti_vec![Known::default(); system.tasks.len()];
+    for component in &system.components {
+        // The earliest and the latest beginning of a first cycle.
+        let (mut begins, mut latest) = (0u64, Some(0u64));
+        for &task in &component.tasks {
+            let Bound { pass, first, other } = bounds[task];
+            let period = system.tasks[task].period.map(u64::from);
+            let first_tick = period.map_or(0, |period| match system.tasks[task].delay {
+                0 => period,
+                delay => u64::from(delay),
+            });
+            begins = begins.max(first_tick);
+            latest = latest.map(|latest| latest.max(first_tick));
+            let after = |time: Option<u64>| latest?.checked_add(time?);
+            let ends = after(if period.is_some() { first } else { pass });
+            latest = after(pass);
+            // A task that begins late has an older tick, and the tick of that moment may come after it.
+            let next = period.map_or(begins, |period| match begins - first_tick {
+                0 => first_tick + period,
+                late => first_tick + late.div_ceil(period) * period,
+            });
+            // A tick that comes during the first cycle is kept.
+            let late = || match ends {
+                Some(ends) if ends < next => Some(0),
+                Some(ends) => Some((ends + other? - next).min(first? + other?)),
+                None => Some(first? + other?),
+            };
+            let most = || Some(late()?.max(other?)).filter(|&most| Some(most) < period);
+            out[task] = Known { begins, next, ends, after_tick: most() };
+        }
+    }
+    out
+}
+
+/// Returns a bound on the response time of every task; `None` if there is none.
+pub(super) fn response_bounds(system: &TimedSystem) -> TiVec<TaskId, Option<Ticks>> {
+    let none = || ti_vec![None; system.tasks.len()];
+    if !is_within_components(system) {
+        return none();
+    }
+    let Some(longest) = system.tasks.iter().filter_map(|task| task.period).max() else {
+        return none();
+    };
+    let situations = situations(system);
+    let stops = stops(system, &situations);
+    // The length of the windows of the jobs of each task, and the windows.
+    let length = |task: TaskId| system.tasks[task].period.unwrap_or(longest);
+    let of_task = |task: TaskId| -> Vec<Window> {
+        let all = windows(system, &situations, length(task)).into_iter();
+        all.map(|client| Window::new(system, client, Some(length(task)), &stops)).collect()
+    };
+    let all: TiVec<TaskId, Vec<Window>> = system.tasks.keys().map(of_task).collect();
+    let mut bounds: TiVec<TaskId, Bound> =
+        ti_vec![Bound { pass: Some(0), first: Some(0), other: Some(0) }; system.tasks.len()];
+    for _ in 0..ROUNDS {
+        let known = known(system, &bounds);
+        let next: TiVec<TaskId, Bound> = all
+            .iter_enumerated()
+            .map(|(task, windows)| {
+                let greatest = |cycle: Cycle, least: Option<u64>| {
+                    // The first cycle is over before some windows begin.
+                    let ends =
+                        known[task].ends.filter(|_| cycle != Cycle::Other).unwrap_or(u64::MAX);
+                    let windows = windows.iter().filter(|window| window.client.begins <= ends);
+                    let each = windows.map(|window| {
+                        let bound = window.response(task, cycle, least?, &known)?;
+                        // A longer bound is useless, and is not followed any further.
+                        (bound < u64::from(length(task))).then_some(bound)
+                    });
+                    let each: Option<Vec<u64>> = each.collect();
+                    each?.into_iter().max()
+                };
+                let Bound { pass, first, other } = bounds[task];
+                Bound {
+                    pass: greatest(Cycle::FirstPass, pass),
+                    first: greatest(Cycle::First, first),
+                    other: greatest(Cycle::Other, other),
+                }
+            })
+            .collect();
+        if next == bounds {
+            let bound = |task: TaskId| {
+                known[task].after_tick?;
+                bounds[task].other.and_then(|bound| Ticks::try_from(bound).ok())
+            };
+            return system.tasks.keys().map(bound).collect();
+        }
+        bounds = next;
+    }
+    none()
+}
+
+/// Returns true if codels wait only for codels of their component, as is the case if ports are copied.
+pub(super) fn is_within_components(system: &TimedSystem) -> bool {
+    system.codels.iter().all(|codel| {
+        let mut others = codel.conflicts.iter();
+        others.all(|conflict| system.codels[conflict].component == codel.component)
+    })
+}
+
+/// A codel that a thread can execute in a window.
+struct Rival {
+    codel: CodelId,
+    /// The greatest number of times that the thread executes it; `None`: no limit.
+    often: Option<u32>,
+    /// The threads with codels that wait for it.
+    waiting: Vec<usize>,
+    /// The task executes it in its first pass only.
+    is_start: bool,
+}
+
+impl Rival {
+    /// Returns true if a thread can execute the codel after a task of the component has begun.
+    fn plays_part(&self, thread: usize, task: TaskId) -> bool {
+        // The first passes of the tasks are in their order.
+        !self.is_start || thread > usize::from(task)
+    }
+}
+
+/// The work of the system in a window of time.
+pub(super) struct Window<'s> {
+    system: &'s TimedSystem,
+    client: ClientWindow,
+    /// Its length; `None`: the whole run.
+    length: Option<Ticks>,
+    /// By automaton: it can be interrupted, or stops because its component shuts down.
+    stops: &'s TiVec<AutomatonId, bool>,
+    /// By thread (tasks, then control tasks): its codels for which another thread can wait.
+    rivals: Vec<Vec<Rival>>,
+    /// By thread: it can execute a codel, and takes a ticket before.
+    takes_tickets: Vec<bool>,
+    priorities: Vec<u64>,
+    /// Lengths of cycles, once they are known.
+    lengths: TiVec<TaskId, [OnceCell<Option<Ticks>>; 3]>,
+}
+
+impl<'s> Window<'s> {
+    pub(super) fn new(
+        system: &'s TimedSystem,
+        client: ClientWindow,
+        length: Option<Ticks>,
+        stops: &'s TiVec<AutomatonId, bool>,
+    ) -> Window<'s> {
+        let priorities = system.priorities();
+        let lengths = system.tasks.iter().map(|_| Default::default()).collect();
+        let mut out = Window {
+            system,
+            client,
+            length,
+            stops,
+            rivals: Vec::new(),
+            takes_tickets: Vec::new(),
+            priorities,
+            lengths,
+        };
+        let threads = out.codels_of_threads();
+        out.takes_tickets = threads.iter().map(|codels| !codels.is_empty()).collect();
+        let waits_for: Vec<CodelSet> = (threads.iter())
+            .map(|codels| {
+                let mut all = CodelSet::default();
+                let conflicts = codels.iter().map(|(codel, _)| &system.codels[*codel].conflicts);
+                conflicts.flat_map(CodelSet::iter).for_each(|codel| all.insert(codel));
+                all
+            })
+            .collect();
+        let permanent = system.tasks.iter().filter_map(|task| task.permanent);
+        let starts: Vec<CodelId> =
+            permanent.filter_map(|it| executed_once(system.machine_of(it))).collect();
+        let rivals = threads.into_iter().enumerate().map(|(thread, codels)| {
+            let rival = |(codel, often): (CodelId, Option<u32>)| {
+                let waits = |&other: &usize| other != thread && waits_for[other].contains(codel);
+                let waiting: Vec<usize> = (0..waits_for.len()).filter(waits).collect();
+                let is_start = starts.contains(&codel);
+                (!waiting.is_empty()).then_some(Rival { codel, often, waiting, is_start })
+            };
+            codels.into_iter().filter_map(rival).collect()
+        });
+        out.rivals = rivals.collect();
+        out
+    }
+
+    /// Returns the codels that each thread can execute in the window, and how often, if there is a limit.
+    fn codels_of_threads(&self) -> Vec<Vec<(CodelId, Option<u32>)>> {
+        let system = self.system;
+        let tasks = system.tasks.iter().map(|task| {
+            let automata = task.permanent.iter().chain(&task.slots);
+            automata.flat_map(|&automaton| self.codels_of(automaton)).collect()
+        });
+        let controls = system.components.iter().map(|component| {
+            let services =
+                component.services.iter().map(|&service| (service, self.client.requests[service]));
+            let requested = services.filter(|(_, count)| *count != Some(0));
+            let codels = requested.flat_map(|(service, count)| {
+                self.control_codels(service).map(move |codel| (codel, count))
+            });
+            codels.collect()
+        });
+        tasks.chain(controls).collect()
+    }
+
+    fn codels_of(&self, automaton: AutomatonId) -> Vec<(CodelId, Option<u32>)> {
+        let machine = self.system.machine_of(automaton);
+        let service = self.system.automata[automaton].service;
+        let count = service.map_or(Some(1), |service| self.client.requests[service]);
+        if count == Some(0) {
+            return Vec::new();
+        }
+        let after = |state: usize| {
+            let mut states = following(machine, state);
+            states.push(state);
+            states
+        };
+        let before_stop = after(machine.start);
+        let stop = self.stop_of(automaton).map_or(Vec::new(), after);
+        let states = machine.states.iter().enumerate();
+        let states = states.filter_map(|(state, entry)| {
+            let ways = [&before_stop, &stop].into_iter().filter(|states| states.contains(&state));
+            let ways = u32::try_from(ways.count()).ok().filter(|ways| *ways > 0)?;
+            let visits = if following(machine, state).contains(&state) {
+                let round = self.shortest_round(machine, state).filter(|round| *round > 0);
+                round.zip(self.length).map(|(round, length)| length / round + ways)
+            } else {
+                Some(ways)
+            };
+            let often = count.zip(visits).map(|(count, visits)| count.saturating_mul(visits));
+            Some((entry.codel, often))
+        });
+        states.collect()
+    }
+
+    /// Returns the least execution time from the beginning of a state to its next beginning.
+    fn shortest_round(&self, machine: &Machine, state: usize) -> Option<Ticks> {
+        let lower = |at: usize| self.system.codels[machine.states[at].codel].lower;
+        let mut least: Vec<Option<Ticks>> = vec![None; machine.states.len()];
+        let mut queue = vec![(0, state)];
+        let mut back: Option<Ticks> = None;
+        while let Some((time, at)) = queue.pop() {
+            let time = lower(at).saturating_add(time);
+            for transition in &machine.states[at].yields {
+                let (Yield::Next(next) | Yield::Pause(next)) = *transition else {
+                    continue;
+                };
+                if next == state {
+                    back = Some(back.map_or(time, |back| back.min(time)));
+                } else if least[next].is_none_or(|known| time < known) {
+                    least[next] = Some(time);
+                    queue.push((time, next));
+                }
+            }
+        }
+        back
+    }
+
+    /// Returns the state of an automaton after an interruption, if there can be one.
+    fn stop_of(&self, automaton: AutomatonId) -> Option<usize> {
+        self.system.machine_of(automaton).stop.filter(|_| self.stops[automaton])
+    }
+
+    /// Returns the longest time of each other thread of the component in codels of some kind for which a
+    /// task waits before a codel.
+    fn blocking(
+        &self,
+        task: TaskId,
+        codel: CodelId,
+        counts: &dyn Fn(usize, &Rival) -> bool,
+    ) -> Option<Ticks> {
+        let conflicts = &self.system.codels[codel].conflicts;
+        let waits = |rival: &&Rival| {
+            let by_third = || rival.waiting.iter().any(|thread| *thread != usize::from(task));
+            conflicts.contains(rival.codel) || by_third()
+        };
+        let of_thread = |thread: usize| {
+            let rivals = self.rivals[thread].iter().filter(|rival| counts(thread, rival));
+            let rivals = rivals.filter(|rival| rival.plays_part(thread, task));
+            let rivals = rivals.filter(waits);
+            rivals.map(|rival| self.system.codels[rival.codel].upper).max().unwrap_or(0)
+        };
+        self.threads_beside(task).map(of_thread).try_fold(0, Ticks::checked_add)
+    }
+
+    /// Returns the other threads of the component of a task.
+    fn threads_beside(&self, task: TaskId) -> impl Iterator<Item = usize> + '_ {
+        let component = self.system.tasks[task].component;
+        let tasks = self.system.components[component].tasks.iter().map(|&other| usize::from(other));
+        let control = self.system.tasks.len() + usize::from(component);
+        tasks.chain([control]).filter(move |&thread| thread != usize::from(task))
+    }
+
+    /// Returns the codels that the control task executes for a request.
+    fn control_codels(&self, service: ServiceId) -> impl Iterator<Item = CodelId> + 's {
+        let service = &self.system.services[service];
+        service.validate.iter().chain(&service.simple).copied()
+    }
+
+    /// Returns the longest time of a cycle, including its waits in the lock queue, in base units.
+    pub(super) fn cycle(&self, task: TaskId) -> Option<Ticks> {
+        Some(self.length(task, Cycle::First)?.max(self.length(task, Cycle::Other)?))
+    }
+
+    /// Returns the longest time of the first cycle, or of another one, with its waits in the lock queue.
+    fn length(&self, task: TaskId, cycle: Cycle) -> Option<Ticks> {
+        let length = &self.lengths[task][cycle as usize];
+        *length.get_or_init(|| self.find_length(task, cycle, &|_| true))
+    }
+
+    /// Returns the longest time of a cycle, with its waits for certain threads in the lock queue.
+    fn find_length(
+        &self,
+        task: TaskId,
+        cycle: Cycle,
+        counts: &dyn Fn(usize) -> bool,
+    ) -> Option<Ticks> {
+        // Later tasks, and the control task, begin after the first pass.
+        let permanent = self.system.tasks[task].permanent.filter(|_| cycle != Cycle::Other);
+        let start = permanent.map(|automaton| {
+            let machine = self.system.machine_of(automaton);
+            machine.states[machine.start].codel
+        });
+        let is_before = |thread| thread < usize::from(task);
+        let time = |limited: bool, codel: CodelId| {
+            let counts = |thread: usize, rival: &Rival| {
+                (counts(thread) && (limited || rival.often.is_none()))
+                    && (start != Some(codel) || is_before(thread))
+            };
+            self.upper(codel)?.checked_add(self.blocking(task, codel, &counts)?)
+        };
+        let each = self.work(task, cycle, &|codel| time(true, codel));
+        let mut together = self.work(task, cycle, &|codel| time(false, codel));
+        for thread in self.threads_beside(task).filter(|&thread| counts(thread)) {
+            for rival in self.rivals[thread].iter().filter(|rival| rival.plays_part(thread, task)) {
+                let all = rival.often.map(|often| self.upper(rival.codel)?.checked_mul(often));
+                together = together.and_then(|sum| sum.checked_add(all.unwrap_or(Some(0))?));
+            }
+        }
+        each.into_iter().chain(together).min().filter(|length| *length < FOREVER / 4)
+    }
+
+    fn upper(&self, codel: CodelId) -> Option<Ticks> {
+        Some(self.system.codels[codel].upper).filter(|&upper| upper != FOREVER)
+    }
+
+    /// Returns the longest time of the codels of a cycle, with this time for each.
+    fn work(
+        &self,
+        task: TaskId,
+        cycle: Cycle,
+        time: &dyn Fn(CodelId) -> Option<Ticks>,
+    ) -> Option<Ticks> {
+        let system = self.system;
+        let task = &system.tasks[task];
+        let mut length = 0;
+        if let Some(permanent) = task.permanent {
+            let machine = system.machine_of(permanent);
+            length = match cycle {
+                Cycle::FirstPass => time(machine.states[machine.start].codel)?,
+                Cycle::First => turn(machine, &[machine.start], None, time)?,
+                Cycle::Other => turn(machine, &resumed(machine), self.stop_of(permanent), time)?,
+            };
+        }
+        if cycle != Cycle::Other {
+            // Requests are taken after the first passes of all tasks of the component, and a cycle begins
+            // activities in its first pass.
+            return Some(length);
+        }
+        // At most as many instances as places, and of each service at most as many as are requested.
+        let mut instances: Vec<(Ticks, u32)> = Vec::new();
+        for &a in &task.slots {
+            let most = system.automata[a].service.and_then(|service| self.client.requests[service]);
+            let machine = system.machine_of(a);
+            let most = most.unwrap_or(task.places).min(task.places);
+            if most > 0 {
+                let entries = [&resumed(machine)[..], &[machine.start]].concat();
+                instances.push((turn(machine, &entries, self.stop_of(a), time)?, most));
+            }
+        }
+        instances.sort_unstable_by_key(|instance| std::cmp::Reverse(instance.0));
+        let mut left = task.places;
+        for (time, most) in instances {
+            let count = most.min(left);
+            length = length.checked_add(time.checked_mul(count)?)?;
+            left -= count;
+        }
+        Some(length)
+    }
+}
+
+/// Returns the longest turn of a machine, from one of some states to a pause or its end, with this time for
+/// each codel. After an interruption, the machine continues with `stop` between two codels.
+fn turn(
+    machine: &Machine,
+    entries: &[usize],
+    stop: Option<usize>,
+    time: &dyn Fn(CodelId) -> Option<Ticks>,
+) -> Option<Ticks> {
+    let times = machine.states.iter().map(|state| time(state.codel));
+    let times: Vec<Ticks> = times.collect::<Option<_>>()?;
+    if !pauseless_cycles(machine).is_empty() {
+        // A turn enters every state at most this often; after an interruption another turn begins.
+        let limit = machine.loop_limit.filter(|_| !machine.rounds)?;
+        let once = times.iter().try_fold(0u32, |sum, &time| sum.checked_add(time))?;
+        return once.checked_mul(2)?.checked_mul(u32::from(limit));
+    }
+    let mut longest = vec![None; machine.states.len()];
+    let of_stop = match stop {
+        Some(stop) => way(machine, &times, 0, stop, &mut longest.clone())?,
+        None => 0,
+    };
+    let mut most = of_stop;
+    for &state in entries {
+        most = most.max(way(machine, &times, of_stop, state, &mut longest)?);
+    }
+    Some(most)
+}
+
+/// Returns the states in which a machine resumes after a pause.
+fn resumed(machine: &Machine) -> Vec<usize> {
+    super::ways::resumed(machine).collect()
+}
+
+/// Returns the first codel of a permanent activity, if the machine does not return to it.
+fn executed_once(machine: &Machine) -> Option<CodelId> {
+    let start = machine.start;
+    let mut ways = [Some(start), machine.stop].into_iter().flatten();
+    let returns = ways.any(|state| following(machine, state).contains(&start));
+    (!returns).then_some(machine.states[start].codel)
+}
+
+/// Returns the states that a machine can enter after a state, in the same turn or a later one.
+fn following(machine: &Machine, state: usize) -> Vec<usize> {
+    let mut found = Vec::new();
+    let mut stack = vec![state];
+    while let Some(at) = stack.pop() {
+        for transition in &machine.states[at].yields {
+            if let Yield::Next(next) | Yield::Pause(next) = *transition
+                && !found.contains(&next)
+            {
+                found.push(next);
+                stack.push(next);
+            }
+        }
+    }
+    found
+}
+
+/// Returns the longest path from a state on; after each codel that continues, `stop` may come instead.
+fn way(
+    machine: &Machine,
+    times: &[Ticks],
+    of_stop: Ticks,
+    state: usize,
+    known: &mut [Option<Ticks>],
+) -> Option<Ticks> {
+    if let Some(tick) = known[state] {
+        return Some(tick);
+    }
+    // An automaton that has paused may have to execute `stop` in a later pass of the same cycle.
+    let mut rest = of_stop;
+    for transition in &machine.states[state].yields {
+        if let Yield::Next(next) = *transition {
+            rest = rest.max(way(machine, times, of_stop, next, known)?);
+        }
+    }
+    let out = times[state].checked_add(rest)?;
+    known[state] = Some(out);
+    Some(out)
+}

@@ -1,0 +1,300 @@
+//! The time for which a job waits for cores, while all of them are at work for others.
+//!
+//! If the job waits *x*, another thread has a core for at most min(*W*, *x*) meanwhile, since it occupies one
+//! core at a time; *W* is the greatest time for which it has cores. So *x* is at most the greatest solution
+//! of *m x* ≤ Σ min(*W*, *x*). A thread that may work for ever occupies a core. *W* depends on the policy:
+//!
+//! * `fifo`: every other task has at most one cycle ahead, waiting or under way, also if deadlines are
+//!   missed.
+//! * `edf`: a task with a longer period has one cycle ahead at most, and one of a kept tick.
+//! * `any`, `edf` otherwise: the cycles of the window.
+//! * `priority`, `fair`: the job can lose its core at any time, so the window is the whole response. Under
+//!   `priority` only threads that do not go after the job count while the job itself has no core; while a
+//!   thread has none that is ahead of the job in the lock queue, those that do not go after that thread count
+//!   (M. Bertogna, M. Cirinei, *Response-time analysis for globally scheduled symmetric multiprocessor
+//!   platforms*, RTSS 2007, also for min(*W*, *x*)). A thread may wait for the core that it is bound to while
+//!   other cores idle: there the work of all others counts.
+//!
+//! Without preemption a cycle keeps its core while it waits for a lock. Let *m* - 1 threads be apart. While
+//! one of the others waits for one of the others, two of the others have cores, so one of the *m* - 1 has
+//! none. The *m* cores are at work for *m x*: at most (*m* - 1) *x* for the threads apart, less those waits.
+//! So *x* is at most the work of the others, with their waits for the threads apart and for threads that need
+//! no core.
+//!
+//! In a window of length *w*, a periodic task executes the cycles of the ticks that come in it or that came
+//! less than *R* before it, if each ends by *R* after its tick; the first cycle and the ticks after it, if
+//! that can be under way; and one cycle more on each side if it can be late. An aperiodic task executes every
+//! codel at most as often as its instances can.
+
+use std::cmp::Reverse;
+
+use typed_index_collections::TiVec;
+
+use super::{Cycle, Known, Window, executed_once};
+use crate::system::{CodelId, ComponentId, Policy, TaskId};
+
+/// A thread that can have a core while a job waits.
+struct Rival {
+    /// Its index, see [`Window::rivals`].
+    thread: usize,
+    /// The greatest time for which it has a core; `None` if there is no bound.
+    time: Option<u64>,
+}
+
+/// A job that waits for a core.
+#[derive(Clone, Copy)]
+struct Waiting {
+    task: TaskId,
+    cycle: Cycle,
+    /// Length of the window.
+    window: u64,
+}
+
+impl Window<'_> {
+    /// Returns a bound on the length of a job, from its tick or the beginning of the start-up, given a lower
+    /// one and what is known of all tasks.
+    pub(super) fn response(
+        &self,
+        task: TaskId,
+        cycle: Cycle,
+        least: u64,
+        known: &TiVec<TaskId, Known>,
+    ) -> Option<u64> {
+        let length = u64::from(self.length(task, cycle)?);
+        let platform = &self.system.platform;
+        let enough = platform.cores.is_none_or(|cores| cores as usize >= self.system.tasks.len());
+        if !self.system.needs_core(task) || enough && !self.system.preempts() {
+            return Some(least.max(length));
+        }
+        let window = match platform.policy {
+            Policy::Priority | Policy::Fair => least.max(length),
+            Policy::Fifo | Policy::Edf | Policy::Any => least.saturating_sub(length),
+        };
+        let response = self.with_core_wait(Waiting { task, cycle, window }, length, known)?;
+        Some(least.max(response))
+    }
+
+    /// Returns the longest time of a job and its wait for cores; `length` is the time without that wait.
+    fn with_core_wait(
+        &self,
+        job: Waiting,
+        length: u64,
+        known: &TiVec<TaskId, Known>,
+    ) -> Option<u64> {
+        let cores = u64::from(self.system.platform.cores?);
+        let mut rivals = self.rivals_for_cores(job, known, &|_| true);
+        let priority = |thread: usize| match self.system.platform.policy {
+            Policy::Priority => self.priorities[thread],
+            _ => 0,
+        };
+        let own = priority(usize::from(job.task));
+        let ahead = self.threads_ahead(job.task);
+        let last = ahead.iter().map(|&thread| priority(thread)).max();
+        rivals.retain(|rival| priority(rival.thread) <= own.max(last.unwrap_or(0)));
+        if self.system.tasks.iter().any(|task| task.affinity.is_some()) {
+            if !self.system.preempts() {
+                return None;
+            }
+            return rivals.iter().try_fold(length, |sum, rival| sum.checked_add(rival.time?));
+        }
+        let wait = |rivals: &mut dyn Iterator<Item = &Rival>| {
+            let times: Vec<Option<u64>> = rivals.map(|rival| rival.time).collect();
+            let works: Vec<u64> = times.iter().copied().flatten().collect();
+            let endless = (times.len() - works.len()) as u64;
+            longest_wait(cores.checked_sub(endless)?, works)
+        };
+        let together = wait(&mut rivals.iter()).and_then(|wait| length.checked_add(wait));
+        if self.system.preempts() {
+            let while_own = wait(&mut rivals.iter().filter(|it| priority(it.thread) <= own));
+            let while_ahead = last.map_or(Some(0), |last| {
+                // While the only one has no core, it does not keep another one from it.
+                let is_apart = |rival: &Rival| ahead == [rival.thread];
+                let others = rivals.iter().filter(|rival| !is_apart(rival));
+                wait(&mut others.filter(|rival| priority(rival.thread) <= last))
+            });
+            let apart = while_own
+                .zip(while_ahead)
+                .and_then(|(own, ahead)| length.checked_add(own)?.checked_add(ahead));
+            return together.into_iter().chain(apart).min();
+        }
+        rivals.sort_by_key(|rival| Reverse(rival.time.unwrap_or(u64::MAX)));
+        // Threads without a bound are apart, and all choices of the last thread are tried.
+        let (last, apart) = (cores as usize)
+            .checked_sub(2)
+            .map_or((0..0, 0), |apart| (apart..rivals.len(), apart.min(rivals.len())));
+        let apart: Vec<usize> = rivals[..apart].iter().map(|rival| rival.thread).collect();
+        let choices = last.map(|last| [&apart[..], &[rivals[last].thread]].concat());
+        let one_by_one =
+            choices.chain([apart.clone()]).filter_map(|apart| self.one_by_one(job, &apart, known));
+        together.into_iter().chain(one_by_one).min()
+    }
+
+    /// Returns the longest time of a job if certain threads have a core for as long as it waits for one.
+    fn one_by_one(
+        &self,
+        job: Waiting,
+        apart: &[usize],
+        known: &TiVec<TaskId, Known>,
+    ) -> Option<u64> {
+        let has_core = |thread: usize| {
+            thread < self.system.tasks.len() && self.system.needs_core(TaskId::from(thread))
+        };
+        let waits_for = |thread: usize| apart.contains(&thread) || !has_core(thread);
+        let others = self.rivals_for_cores(job, known, &waits_for);
+        let mut others = others.iter().filter(|rival| !apart.contains(&rival.thread));
+        let waits_for =
+            |thread: usize| waits_for(thread) || !self.has_same_ticks(job, thread, known);
+        let length = self.find_length(job.task, job.cycle, &waits_for)?;
+        others.try_fold(u64::from(length), |sum, rival| sum.checked_add(rival.time?))
+    }
+
+    /// Returns true if a thread executes exactly one cycle from the tick of a job to the next tick.
+    fn has_same_ticks(&self, job: Waiting, thread: usize, known: &TiVec<TaskId, Known>) -> bool {
+        let (task, other) = (job.task, TaskId::from(thread));
+        let (Some(own), Some(entry)) = (self.system.tasks.get(task), self.system.tasks.get(other))
+        else {
+            return false;
+        };
+        let is_usual =
+            job.cycle == Cycle::Other && self.is_started(known[other], job, &known[task]);
+        own.component == entry.component
+            && (own.period, own.delay) == (entry.period, entry.delay)
+            && known[other].after_tick.is_some()
+            && is_usual
+    }
+
+    /// Returns the threads that can have a core while a job waits for one, with their waits for certain
+    /// threads.
+    fn rivals_for_cores(
+        &self,
+        job: Waiting,
+        known: &TiVec<TaskId, Known>,
+        waits_for: &dyn Fn(usize) -> bool,
+    ) -> Vec<Rival> {
+        let system = self.system;
+        let tasks =
+            system.tasks.keys().filter(|&other| other != job.task && system.needs_core(other));
+        // A first cycle is over before some other tasks begin.
+        let ends = known[job.task].ends.filter(|_| job.cycle != Cycle::Other).unwrap_or(u64::MAX);
+        let tasks = tasks.filter(|&other| known[other].begins < ends);
+        let tasks = tasks.map(|other| Rival {
+            thread: usize::from(other),
+            time: self.time_with_core(other, job, known, waits_for),
+        });
+        let controls = system.components.keys().filter(|_| system.preempts()).map(|component| {
+            let thread = system.tasks.len() + usize::from(component);
+            Rival { thread, time: self.control_work(component) }
+        });
+        tasks.chain(controls).filter(|rival| rival.time != Some(0)).collect()
+    }
+
+    fn control_work(&self, component: ComponentId) -> Option<u64> {
+        let services = self.system.components[component].services.iter();
+        let each = services.map(|&service| {
+            let times = self.control_codels(service);
+            let time: u64 = times.map(|it| u64::from(self.system.codels[it].upper)).sum();
+            match self.client.requests[service] {
+                Some(count) => time.checked_mul(u64::from(count)),
+                None => (time == 0).then_some(0),
+            }
+        });
+        each.sum()
+    }
+
+    /// Returns the threads that can be ahead of a task in the lock queue of its component. A thread at the
+    /// head of the queue may wait for a core, so that all others wait behind it, whatever the locks.
+    fn threads_ahead(&self, task: TaskId) -> Vec<usize> {
+        self.threads_beside(task).filter(|&thread| self.takes_tickets[thread]).collect()
+    }
+
+    /// Returns the greatest time for which another task has a core while a job waits for one.
+    fn time_with_core(
+        &self,
+        other: TaskId,
+        job: Waiting,
+        known: &TiVec<TaskId, Known>,
+        waits_for: &dyn Fn(usize) -> bool,
+    ) -> Option<u64> {
+        let system = self.system;
+        // A task that waits for a lock keeps its core, unless it can lose the core.
+        let waits_for = |thread: usize| !system.preempts() && waits_for(thread);
+        let own = &known[job.task];
+        let Some(period) = system.tasks[other].period.map(u64::from) else {
+            let is_started = self.is_started(known[other], job, own);
+            return self.work_in_window(other, is_started, &waits_for);
+        };
+        let cycle = |of| Some(u64::from(self.find_length(other, of, &waits_for)?));
+        let each = cycle(Cycle::Other)?;
+        let Known { begins, ends, after_tick, .. } = known[other];
+        let starts = !self.is_started(known[other], job, own);
+        let first = if starts { cycle(Cycle::First)? } else { 0 };
+        let is_later = system.tasks[job.task].period.is_some_and(|own| period >= u64::from(own));
+        let window = job.window;
+        match (system.platform.policy, after_tick) {
+            (Policy::Fifo, _) => Some(each.max(first)),
+            (Policy::Edf, None) if is_later => each.max(first).checked_mul(2),
+            (Policy::Edf, Some(_)) if is_later => first.checked_add(each),
+            (_, None) => each.max(first).checked_mul(window / period + 3),
+            (_, Some(response)) => {
+                let usual = each.checked_mul((window + response).div_ceil(period))?;
+                // The ticks from the beginning of the first cycle to the end of the window.
+                let count = match ends {
+                    Some(ends) => (ends + window).saturating_sub(begins).div_ceil(period),
+                    None => window / period + 2,
+                };
+                let start = if starts { first.checked_add(each.checked_mul(count)?)? } else { 0 };
+                Some(usual.max(start))
+            }
+        }
+    }
+
+    /// Returns true if the start-up of a task is over before a job begins.
+    fn is_started(&self, task: Known, job: Waiting, own: &Known) -> bool {
+        let begins = if job.cycle == Cycle::Other { own.next } else { own.begins };
+        let begins = begins.max(self.client.begins);
+        task.ends.is_some_and(|ends| ends <= begins)
+    }
+
+    /// Returns the greatest time for which an aperiodic task executes codels in the window, or waits for
+    /// certain threads; `None` if it can execute a codel again and again.
+    fn work_in_window(
+        &self,
+        task: TaskId,
+        is_started: bool,
+        waits_for: &dyn Fn(usize) -> bool,
+    ) -> Option<u64> {
+        let definition = &self.system.tasks[task];
+        let automata = definition.permanent.iter().chain(&definition.slots);
+        let codels = automata.flat_map(|&automaton| {
+            let machine = self.system.machine_of(automaton);
+            let is_over = is_started && definition.permanent == Some(automaton);
+            // The first codel is over, unless the machine returns to it.
+            let first = executed_once(machine).filter(|_| is_over);
+            let codels = self.codels_of(automaton).into_iter();
+            codels.filter(move |(codel, _)| Some(*codel) != first)
+        });
+        let codels: Vec<(CodelId, Option<u32>)> = codels.collect();
+        if codels.iter().all(|(codel, _)| self.system.codels[*codel].upper == 0) {
+            return Some(0);
+        }
+        codels.into_iter().try_fold(0u64, |sum, (codel, often)| {
+            let wait = self.blocking(task, codel, &|thread, _| waits_for(thread))?;
+            let time = self.upper(codel)?.checked_add(wait)?;
+            sum.checked_add(u64::from(time).checked_mul(u64::from(often?))?)
+        })
+    }
+}
+
+/// Returns the greatest *x* with cores · *x* ≤ Σ min(work, *x*), rounded up; `None` if there is no core.
+pub(in crate::analytic) fn longest_wait(cores: u64, mut works: Vec<u64>) -> Option<u64> {
+    works.sort_unstable_by_key(|&work| Reverse(work));
+    let mut rest = works.iter().try_fold(0u64, |sum, &work| sum.checked_add(work))?;
+    for (left, work) in (1..=cores).rev().zip(works) {
+        // The works before this one last longer than the wait, so that each of them occupies a core.
+        if work.checked_mul(left)? <= rest {
+            return Some(rest.div_ceil(left));
+        }
+        rest -= work;
+    }
+    (cores > 0).then_some(0)
+}

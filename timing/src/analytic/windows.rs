@@ -1,0 +1,309 @@
+//! The requests that can play a part in a window of time, according to the order and the delays of the
+//! clients.
+//!
+//! A request plays a part from the moment at which the control task takes it until a client has seen its end.
+//! A window begins in some situation of each client: a position, and the requests under way. In the window, a
+//! client gets as far as its delays allow; everything else that it waits for may take no time.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use rustc_hash::FxHashSet;
+use typed_index_collections::{TiVec, ti_vec};
+
+use crate::system::{
+    Automaton, AutomatonId, Client, ClientAction, ClientStep, ComponentId, Machine, ServiceId,
+    Ticks, TimedSystem,
+};
+
+/// The greatest number of requests of each service in a window; `None`: no limit is known.
+pub(super) type Requests = TiVec<ServiceId, Option<u32>>;
+
+/// A window of time, by the requests that can play a part in it.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(super) struct ClientWindow {
+    pub(super) requests: Requests,
+    /// The earliest time at which it can begin, in base units.
+    pub(super) begins: u64,
+}
+
+/// Number of situations of a client above which its windows are not told apart.
+const MAX_SITUATIONS: usize = 2_000;
+
+/// Number of windows above which they are not told apart.
+const MAX_WINDOWS: usize = 24;
+
+/// Requests under way: the service and the trackers that follow the request.
+pub(super) type UnderWay = Vec<(ServiceId, Vec<usize>)>;
+
+/// The situations of a client: positions with the requests that can be under way there. `None`: there are too
+/// many.
+pub(super) type Situations = Option<FxHashSet<(usize, UnderWay)>>;
+
+/// Returns the windows of a length. For each window of the system, one of them has at least as many requests
+/// and does not begin later.
+pub(super) fn windows(
+    system: &TimedSystem,
+    situations: &[Situations],
+    length: Ticks,
+) -> Vec<ClientWindow> {
+    let mut out =
+        vec![ClientWindow { requests: ti_vec![Some(0); system.services.len()], begins: 0 }];
+    for (client, situations) in system.clients.iter().zip(situations) {
+        let of_client = of_client(system, client, situations.as_ref(), length);
+        let both = |one: &ClientWindow, other: &ClientWindow| ClientWindow {
+            requests: sum(&one.requests, &other.requests),
+            begins: one.begins.max(other.begins),
+        };
+        let all = out.iter().flat_map(|one| of_client.iter().map(move |other| both(one, other)));
+        out = greatest(all.collect());
+        if out.len() > MAX_WINDOWS {
+            out = vec![hull(&out)];
+        }
+    }
+    out
+}
+
+/// Returns the greatest number of requests in the whole run.
+pub(super) fn whole_run(system: &TimedSystem) -> Requests {
+    let none = ti_vec![Some(0); system.services.len()];
+    system.clients.iter().fold(none, |all, client| sum(&all, &of_whole_run(system, client)))
+}
+
+fn of_whole_run(system: &TimedSystem, client: &Client) -> Requests {
+    let mut out = ti_vec![Some(0u32); system.services.len()];
+    for (at, step) in client.steps.iter().enumerate() {
+        if let ClientAction::Send { service, .. } = step.action {
+            let again = client.comes_again(at);
+            out[service] = out[service].filter(|_| !again).map(|number| number + 1);
+        }
+    }
+    out
+}
+
+fn of_client(
+    system: &TimedSystem,
+    client: &Client,
+    situations: Option<&FxHashSet<(usize, UnderWay)>>,
+    length: Ticks,
+) -> Vec<ClientWindow> {
+    let Some(situations) = situations else {
+        return vec![ClientWindow { requests: of_whole_run(system, client), begins: 0 }];
+    };
+    // The delay of a position may be over only after its time.
+    let times = reached(client, &client.first, false);
+    // The least time from a request to the same request.
+    let rounds: Vec<Option<u64>> = (client.steps.iter().enumerate())
+        .map(|(at, step)| reached(client, &step.next, false)[at])
+        .collect();
+    let of_situation = |(at, under_way): &(usize, UnderWay)| {
+        let begins = times[*at].unwrap_or(0);
+        let mut out = ti_vec![Some(0u32); system.services.len()];
+        for (service, _) in under_way {
+            out[*service] = out[*service].map(|number| number + 1);
+        }
+        let before = ClientWindow { requests: out.clone(), begins };
+        for (step, elapsed) in reached(client, &[*at], true).into_iter().enumerate() {
+            let left = elapsed.and_then(|elapsed| u64::from(length).checked_sub(elapsed));
+            let requests = client.steps.get(step).and_then(ClientStep::requests);
+            let (Some(left), Some(service)) = (left, requests) else {
+                continue;
+            };
+            let count = match rounds[step] {
+                None => Some(1),
+                Some(0) => None,
+                Some(round) => u32::try_from(left / round + 1).ok(),
+            };
+            out[service] = out[service].zip(count).map(|(sum, count)| sum + count);
+        }
+        // A window that begins long before the end of a delay does not reach it.
+        let delay = match client.steps.get(*at).map(|step| &step.action) {
+            Some(ClientAction::Delay(lower, _)) => lower.saturating_sub(length),
+            _ => 0,
+        };
+        [before, ClientWindow { requests: out, begins: begins + u64::from(delay) }]
+    };
+    let mut all: FxHashSet<ClientWindow> = situations.iter().flat_map(of_situation).collect();
+    greatest(all.drain().collect())
+}
+
+/// Returns the least time after which each step, and the end, can be reached from some steps. `over`: their
+/// own delays may be over.
+fn reached(client: &Client, from: &[usize], over: bool) -> Vec<Option<u64>> {
+    let mut out: Vec<Option<u64>> = vec![None; client.done() + 1];
+    let mut heap: BinaryHeap<Reverse<(u64, bool, usize)>> =
+        from.iter().map(|&step| Reverse((0, !over, step))).collect();
+    while let Some(Reverse((time, is_ahead, at))) = heap.pop() {
+        if out[at].is_some() {
+            continue;
+        }
+        out[at] = Some(time);
+        let Some(step) = client.steps.get(at) else {
+            continue;
+        };
+        let delay = match step.action {
+            ClientAction::Delay(lower, _) if is_ahead => u64::from(lower),
+            _ => 0,
+        };
+        heap.extend(step.next.iter().map(|&next| Reverse((time + delay, true, next))));
+    }
+    out
+}
+
+/// Returns the situations of each client.
+///
+/// A request whose end is not awaited stays under way for ever, unless it is a function or attribute: these
+/// have ended when the control task takes the next request.
+pub(super) fn situations(system: &TimedSystem) -> Vec<Situations> {
+    system.clients.iter().map(|client| situations_of(system, client)).collect()
+}
+
+fn situations_of(system: &TimedSystem, client: &Client) -> Situations {
+    let mut stack: Vec<(usize, UnderWay)> =
+        client.first.iter().map(|&index| (index, Vec::new())).collect();
+    let mut seen: FxHashSet<(usize, UnderWay)> = stack.iter().cloned().collect();
+    while let Some((at, under_way)) = stack.pop() {
+        let Some(step) = client.steps.get(at) else {
+            continue;
+        };
+        let mut after = under_way;
+        match step.action {
+            ClientAction::Send { service, ref trackers, .. } => {
+                let component = system.services[service].component;
+                after.retain(|(other, _)| {
+                    let other = &system.services[*other];
+                    other.activity || other.component != component
+                });
+                for (_, known) in &mut after {
+                    known.retain(|tracker| !trackers.contains(tracker));
+                }
+                let already = after.iter().filter(|entry| entry.0 == service).count();
+                if already < places(system, service) {
+                    after.push((service, trackers.clone()));
+                }
+                after.sort_unstable();
+            }
+            ClientAction::AwaitEnded(tracker) | ClientAction::AwaitOutcome(tracker, _) => {
+                after.retain(|entry| !entry.1.contains(&tracker));
+            }
+            ClientAction::AwaitAccepted | ClientAction::AwaitAny | ClientAction::Delay(..) => {}
+        }
+        for &next in &step.next {
+            let situation = (next, after.clone());
+            if seen.len() > MAX_SITUATIONS {
+                return None;
+            }
+            if seen.insert(situation.clone()) {
+                stack.push(situation);
+            }
+        }
+    }
+    Some(seen)
+}
+
+/// Returns, by automaton, whether it can be interrupted, or stop because its component shuts down: a codel of
+/// a permanent activity throws. An activity marks only instances that are under way at the same time.
+pub(super) fn stops(system: &TimedSystem, situations: &[Situations]) -> TiVec<AutomatonId, bool> {
+    let services = system.services.len();
+    // By service: those that can be under way at the same time as another request.
+    let mut together: TiVec<ServiceId, TiVec<ServiceId, bool>> =
+        ti_vec![ti_vec![false; services]; services];
+    let requested: Vec<Vec<ServiceId>> = (system.clients.iter())
+        .map(|client| client.steps.iter().filter_map(ClientStep::requests).collect())
+        .collect();
+    for (number, situations) in situations.iter().enumerate() {
+        let mut meet = |one: ServiceId, other: ServiceId| {
+            together[one][other] = true;
+            together[other][one] = true;
+        };
+        let own = &requested[number];
+        if let Some(all) = situations {
+            for (_, under_way) in all {
+                for (at, (one, _)) in under_way.iter().enumerate() {
+                    under_way[at + 1..].iter().for_each(|(other, _)| meet(*one, *other));
+                }
+            }
+        } else {
+            pairs(own, own).for_each(|(one, other)| meet(one, other));
+        }
+        for others in &requested[..number] {
+            pairs(own, others).for_each(|(one, other)| meet(one, other));
+        }
+    }
+    let throws =
+        |machine: &Machine| machine.states.iter().any(|state| system.codels[state.codel].throws);
+    let shuts_down = |component: ComponentId| {
+        let tasks = system.components[component].tasks.iter();
+        tasks
+            .filter_map(|&task| system.tasks[task].permanent)
+            .any(|it| throws(system.machine_of(it)))
+    };
+    let stops = |automaton: &Automaton| {
+        let interrupted = automaton.service.is_some_and(|service| {
+            let mut others = system.services.iter_enumerated();
+            others.any(|(other, entry)| {
+                entry.interrupts.contains(&service) && together[other][service]
+            })
+        });
+        interrupted || shuts_down(system.tasks[automaton.task].component)
+    };
+    system.automata.iter().map(stops).collect()
+}
+
+fn pairs<'r>(
+    own: &'r [ServiceId],
+    others: &'r [ServiceId],
+) -> impl Iterator<Item = (ServiceId, ServiceId)> + 'r {
+    own.iter().flat_map(move |&one| others.iter().map(move |&other| (one, other)))
+}
+
+/// Returns the number of requests of a service that can be under way at the same time.
+fn places(system: &TimedSystem, service: ServiceId) -> usize {
+    let slots = &system.services[service].slots;
+    match slots.first() {
+        Some(&slot) if !system.platform.semantics.is_published() => {
+            system.tasks[system.automata[slot].task].places as usize
+        }
+        Some(_) => slots.len(),
+        None => 1,
+    }
+}
+
+fn sum(one: &Requests, other: &Requests) -> Requests {
+    let pairs = one.iter().zip(other);
+    pairs
+        .map(|(one, other)| one.zip(*other).map(|(one, other)| one.saturating_add(other)))
+        .collect()
+}
+
+/// Returns a window with the greatest number of requests of each service.
+fn hull(all: &[ClientWindow]) -> ClientWindow {
+    let services = all[0].requests.keys();
+    let requests = services.map(|service| {
+        let counts = all.iter().map(|window| window.requests[service]);
+        let counts: Option<Vec<u32>> = counts.collect();
+        counts.map(|counts| counts.into_iter().max().unwrap_or(0))
+    });
+    let begins = all.iter().map(|window| window.begins).min().unwrap_or(0);
+    ClientWindow { requests: requests.collect(), begins }
+}
+
+/// Leaves out the windows for which another one counts.
+fn greatest(mut all: Vec<ClientWindow>) -> Vec<ClientWindow> {
+    let within = |one: &ClientWindow, other: &ClientWindow| {
+        let mut pairs = one.requests.iter().zip(&other.requests);
+        other.begins <= one.begins
+            && pairs.all(|(one, other)| other.is_none() || one.is_some_and(|it| Some(it) <= *other))
+    };
+    all.sort();
+    all.dedup();
+    let mut out: Vec<ClientWindow> = Vec::new();
+    for window in all {
+        if out.iter().any(|other| within(&window, other)) {
+            continue;
+        }
+        out.retain(|other| !within(other, &window));
+        out.push(window);
+    }
+    out
+}

@@ -1,0 +1,162 @@
+//! What delays the datum of a chain, from its write to the end of a run.
+
+use typed_index_collections::{TiVec, ti_vec};
+
+use super::findings::{Findings, Measured};
+use super::rules::{Rules, SystemRules};
+use super::run::Run;
+use super::spans::{ChainSpans, Spent, Subject, work_of};
+use super::state::{Clocks, Stages, State};
+use super::token::{Tracked, explore_tracked, holders, is_set, without_marks};
+use super::watch::{Limits, Watch, Within};
+use crate::cancel::Cancel;
+use crate::property::{Atom, Predicate, TaskState};
+use crate::system::chain::{Chain, ChainKind, DataPlace};
+use crate::system::{CodelId, TaskId, Ticks, TimedSystem};
+
+/// Finds the supremum of a chain, by exploring all runs. It is the only entry of `within` in the findings;
+/// `None` there if no write is ever marked.
+pub fn explore_chain(
+    system: &TimedSystem,
+    chain: &Chain,
+    limit: Option<Ticks>,
+    limits: Limits,
+    cancel: &Cancel,
+) -> Findings {
+    let never = || {
+        let atom = Predicate::Atom(Atom::Task(TaskId::default(), TaskState::Idle));
+        Predicate::And(Box::new(atom.clone()), Box::new(Predicate::Not(Box::new(atom))))
+    };
+    let watch = Watch {
+        within: vec![Within { trigger: never(), responses: vec![never()], limit }],
+        ..Watch::default()
+    };
+    let rules = SystemRules::new(system);
+    let mut found = explore_tracked(&rules, chain, &watch, limits, cancel);
+    if let Some(measurement) = found.within.iter().flatten().next() {
+        found.chain = spans(&rules, chain, measurement);
+    }
+    for measurement in found.within.iter_mut().flatten() {
+        without_marks(measurement);
+    }
+    found
+}
+
+fn spans<R: Rules>(rules: &R, chain: &Chain, measured: &Measured) -> ChainSpans {
+    let clocks = Clocks {
+        within: vec![Stages { count: 1, measured: true }],
+        ..Clocks::none(rules.system().tasks.len())
+    };
+    let tracked = Tracked::new(rules, chain, &clocks);
+    let focus = Focus::new(&tracked);
+    let spent = |s: &State| focus.spends(s);
+    let clock = |s: &State| tracked.frame().observer_clock(s, 0);
+    let age = |s: &State| clock(s).map_or(0, |clock| u64::from(s.t[clock]));
+    let of_run = |run: &Run, age: &dyn Fn(&State) -> u64| {
+        if run.left_out { Vec::new() } else { run.spans(&tracked, &[], age, &spent) }
+    };
+    let longest = &measured.longest.run;
+    let length = longest.length_of_cycle();
+    let late = measured.excess.as_ref().map_or(longest, |excess| &excess.run);
+    // An age without a bound comes from data that codels hand on to themselves, not from what goes on.
+    let is_endless = length > 0 && chain.kind == ChainKind::Reaction;
+    let cycle = if is_endless { of_run(longest, &|_| length) } else { Vec::new() };
+    let waits = cycle.last().and_then(|span| match span.spent {
+        Spent::Between(task) => Some(Subject::Job(task)),
+        _ => None,
+    });
+    let codels = waits.map_or(Vec::new(), |subject| longest.executed_in_cycle(&tracked, subject));
+    ChainSpans { late: of_run(late, &age), cycle, codels }
+}
+
+/// Finds the codel that the measured datum waits for.
+struct Focus<'t, 'c, R> {
+    tracked: &'t Tracked<'c, R>,
+    /// The number of codels after each codel on the shortest path to the last datum.
+    after: TiVec<CodelId, usize>,
+    subjects: TiVec<CodelId, Option<Subject>>,
+}
+
+impl<'t, 'c, R: Rules> Focus<'t, 'c, R> {
+    fn new(tracked: &'t Tracked<'c, R>) -> Self {
+        let system = tracked.system();
+        let subject = |codel: CodelId| Subject::of_codel(system, codel);
+        Focus {
+            after: codels_after(tracked.chain),
+            subjects: system.codels.keys().map(subject).collect(),
+            tracked,
+        }
+    }
+
+    fn spends(&self, s: &State) -> Spent {
+        let (tracked, chain) = (self.tracked, self.tracked.chain);
+        let holders = holders(&tracked.rules);
+        let marked = |place: DataPlace| {
+            let held = |holder: usize| is_set(s, tracked.marked_place(place, holder));
+            match place {
+                DataPlace::Shared(_) => held(0),
+                DataPlace::Local(_) => (0..holders).any(held),
+            }
+        };
+        let last = DataPlace::Shared(chain.last);
+        if chain.kind == ChainKind::Age && marked(last) {
+            // The old datum remains until the next one comes. The place farthest from the last one that still
+            // has it delays that.
+            let places = chain.writes.iter().flatten().copied().filter(|&place| marked(place));
+            let oldest = places.max_by_key(|&place| self.distance(place)).unwrap_or(last);
+            let writers = chain.writes.iter_enumerated().filter(|pair| pair.1.contains(&oldest));
+            return self.of_codel(writers.map(|pair| pair.0).next(), s);
+        }
+        let carriers = (0..tracked.executors)
+            .filter(|&executor| is_set(s, tracked.marked_executor(executor)))
+            .filter_map(|executor| Some((executor, tracked.codel(s, executor)?.0)));
+        if let Some((executor, codel)) = carriers.min_by_key(|pair| self.after[pair.1]) {
+            return work_of(tracked, s, executor, codel);
+        }
+        let readers = chain.reads.iter_enumerated().filter(|(codel, reads)| {
+            chain.carries[*codel] && reads.iter().any(|&place| marked(place))
+        });
+        self.of_codel(readers.map(|pair| pair.0).min_by_key(|&codel| self.after[codel]), s)
+    }
+
+    /// Returns the number of codels from a place to the last datum; 0 if there is no path.
+    fn distance(&self, place: DataPlace) -> usize {
+        let chain = self.tracked.chain;
+        if place == DataPlace::Shared(chain.last) {
+            return 0;
+        }
+        let readers = chain.reads.iter_enumerated();
+        let readers =
+            readers.filter(|(codel, reads)| chain.carries[*codel] && reads.contains(&place));
+        let nearest = readers.map(|pair| self.after[pair.0]).min();
+        nearest.and_then(|after| after.checked_add(1)).unwrap_or(0)
+    }
+
+    fn of_codel(&self, codel: Option<CodelId>, s: &State) -> Spent {
+        let subject = codel.and_then(|codel| self.subjects[codel]);
+        subject.map_or(Spent::Nothing, |subject| subject.spends(self.tracked, s))
+    }
+}
+
+/// See [`Focus::after`].
+fn codels_after(chain: &Chain) -> TiVec<CodelId, usize> {
+    let mut after = ti_vec![usize::MAX; chain.writes.len()];
+    loop {
+        let before: TiVec<CodelId, usize> = after.clone();
+        for (codel, writes) in chain.writes.iter_enumerated() {
+            let from = |place: &DataPlace| match *place {
+                DataPlace::Shared(index) if index == chain.last => Some(0),
+                place => {
+                    let readers = chain.reads.iter_enumerated();
+                    let readers = readers
+                        .filter(|(reader, reads)| chain.carries[*reader] && reads.contains(&place));
+                    readers.map(|pair| before[pair.0].saturating_add(1)).min()
+                }
+            };
+            after[codel] = writes.iter().filter_map(from).min().unwrap_or(usize::MAX);
+        }
+        if after == before {
+            return after;
+        }
+    }
+}
