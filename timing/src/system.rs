@@ -437,7 +437,7 @@ impl TimedSystem {
     }
 
     /// Returns true if an operating system grants cores to threads and preempts them (section 22).
-    pub(crate) fn preempts(&self) -> bool {
+    pub fn preempts(&self) -> bool {
         let preempts = matches!(self.platform.policy, Policy::Priority | Policy::Fair);
         self.platform.cores.is_some() && preempts
     }
@@ -466,6 +466,31 @@ impl TimedSystem {
         let mut automata = task.permanent.iter().chain(&task.slots);
         self.platform.async_free
             && automata.any(|&a| self.machine_of(a).states.iter().any(|state| state.is_async))
+    }
+
+    /// Returns the greatest number of activities of a task at the same time, including the permanent one: at
+    /// most its places, and at most the requests.
+    pub fn most_places(&self, task: TaskId) -> usize {
+        let places = self.tasks[task].places as usize;
+        let of_task = |service: ServiceId| {
+            let mut slots = self.services[service].slots.iter();
+            slots.any(|&automaton| self.automata[automaton].task == task)
+        };
+        let mut most = 1;
+        for client in &self.clients {
+            for (at, step) in client.steps.iter().enumerate() {
+                let ClientAction::Send { service, .. } = step.action else {
+                    continue;
+                };
+                if of_task(service) {
+                    if client.comes_again(at) {
+                        return places;
+                    }
+                    most += 1;
+                }
+            }
+        }
+        most.min(places)
     }
 
     /// Returns, by service, whether some client can request it. Other services never run.

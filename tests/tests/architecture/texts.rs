@@ -68,6 +68,7 @@ fn nothing_looks_into_a_message() {
         "timing",
         "runtime",
         "recording",
+        "export",
         "platform",
         "ros2",
         "hosting",

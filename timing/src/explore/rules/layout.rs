@@ -380,7 +380,7 @@ fn slots(system: &TimedSystem, jobs: bool) -> Vec<Vec<usize>> {
             return automata.map(|&automaton| automaton.into()).collect();
         }
         let first = next;
-        next += most_slots(system, task);
+        next += system.most_places(TaskId::from(task));
         (first..next).collect()
     };
     (0..system.tasks.len()).map(of_task).collect()
@@ -434,31 +434,6 @@ fn follows(client: &Client) -> bool {
         ClientAction::Send { accepted, aborts, .. } => aborts.is_some() || !accepted.is_empty(),
         _ => false,
     })
-}
-
-/// Returns the greatest number of activities of a task at the same time: at most its places, and at most the
-/// requests.
-fn most_slots(system: &TimedSystem, task: usize) -> usize {
-    let places = system.tasks[TaskId::from(task)].places as usize;
-    let of_task = |service: ServiceId| {
-        let mut slots = system.services[service].slots.iter();
-        slots.any(|&automaton| system.automata[automaton].task == TaskId::from(task))
-    };
-    let mut most = 1;
-    for client in &system.clients {
-        for (at, step) in client.steps.iter().enumerate() {
-            let ClientAction::Send { service, .. } = step.action else {
-                continue;
-            };
-            if of_task(service) {
-                if client.comes_again(at) {
-                    return places;
-                }
-                most += 1;
-            }
-        }
-    }
-    most.min(places)
 }
 
 /// Returns the list at a place, which begins with its length.

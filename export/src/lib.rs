@@ -1,0 +1,45 @@
+//! Formal models of GenoM3 systems for the tools of others: UPPAAL and TChecker.
+//!
+//! Data flows one way: the timed system that the verifier explores, with the questions of its checks,
+//! becomes a [`model::Network`] of timed automata ([`translate()`]). A printer writes the network in the
+//! language of a tool. A model has the verdicts of the verifier's exact exploration; what is not translated
+//! exactly is [refused](Refusal), with its place.
+
+pub mod model;
+mod tchecker;
+pub mod translate;
+mod uppaal;
+
+use dotgen_timing::verify::Prepared;
+
+pub use self::translate::{Refusal, translate};
+
+/// The language of a tool.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// UPPAAL 4.1 or later: a network (`.xta`) and its queries (`.q`).
+    Uppaal,
+    /// TChecker 0.8 or later: a network (`.tck`), whose labels are the queries.
+    TChecker,
+}
+
+/// A file to write.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct File {
+    /// Name, without a folder.
+    pub name: String,
+    pub text: String,
+}
+
+/// Returns the formal model of a system, as the files of a tool.
+///
+/// # Errors
+///
+/// Everything that the model cannot contain.
+pub fn export(prepared: &Prepared, format: Format) -> Result<Vec<File>, Vec<Refusal>> {
+    let network = translate(prepared)?;
+    Ok(match format {
+        Format::Uppaal => uppaal::print(&network),
+        Format::TChecker => vec![tchecker::print(&network)],
+    })
+}

@@ -1,0 +1,90 @@
+//! From the timed system to a network of timed automata, by the rules of the servers (section 21 of the timed
+//! semantics).
+//!
+//! There is one process for each task, timer, control task and client, and one `scheduler`. An action of the
+//! verifier is one edge of a process, or a chain of edges through committed locations. Its last edge sends
+//! `step` to the scheduler, which does what must follow at once: clients proceed, tasks ask for a core, cores
+//! are granted, in this order. Then the scheduler is `busy`: no time passes. It becomes `calm`, and time may
+//! pass, when no action remains that must happen first. Ends of codels and ticks are bounded by invariants.
+
+mod checks;
+mod client;
+mod control;
+mod declare;
+mod layout;
+mod names;
+mod predicates;
+mod refusals;
+mod requests;
+mod scheduler;
+mod task;
+mod timer;
+
+use dotgen_timing::report::TimeUnit;
+use dotgen_timing::verify::Prepared;
+
+use crate::model::Network;
+
+use self::layout::Layout;
+pub use self::refusals::Refusal;
+
+/// Translates a system and its checks.
+///
+/// # Errors
+///
+/// Everything that the network cannot contain.
+pub fn translate(prepared: &Prepared) -> Result<Network, Vec<Refusal>> {
+    let refusals = refusals::of_system(prepared);
+    if !refusals.is_empty() {
+        return Err(refusals);
+    }
+    let layout = Layout::new(prepared);
+    let mut network = Network {
+        name: identifier(&prepared.report.scenario),
+        header: header(prepared),
+        ..Network::default()
+    };
+    layout.declare(&mut network);
+    let checks = checks::Checks::new(&layout, prepared)?;
+    checks.declare(&mut network);
+    for part in &layout.parts {
+        for task in &part.tasks {
+            network.processes.extend(timer::process(&layout, task, &checks));
+            network.processes.push(task::process(&layout, part, task, &checks));
+        }
+        if part.control {
+            network.processes.push(control::process(&layout, part));
+        }
+    }
+    for client in layout.system.clients.keys() {
+        network.processes.push(client::process(&layout, client));
+    }
+    network.processes.push(scheduler::process(&layout, &checks));
+    network.queries = checks.queries();
+    Ok(network)
+}
+
+/// Returns a name as an identifier.
+fn identifier(name: &str) -> String {
+    let valid = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    let text: String = name.chars().map(valid).collect();
+    match text.chars().next() {
+        Some(first) if first.is_ascii_alphabetic() => text,
+        _ => format!("s_{text}"),
+    }
+}
+
+fn header(prepared: &Prepared) -> Vec<String> {
+    let system = &prepared.built.system;
+    let unit = TimeUnit::default();
+    let base = unit.show(unit.from_seconds(system.unit));
+    let cores = match system.platform.cores {
+        None => "no limit on cores".to_owned(),
+        Some(count) => format!("cores {count}, policy {:?}", system.platform.policy).to_lowercase(),
+    };
+    vec![
+        format!("{}: formal model, written by dotgen export", prepared.report.scenario),
+        format!("semantics {}; {cores}", prepared.report.semantics),
+        format!("all times are numbers of {base}"),
+    ]
+}

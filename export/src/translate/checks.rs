@@ -1,0 +1,362 @@
+//! Checks as observers: locations of the scheduler that are reached if a check fails, or if it has a witness.
+
+use dotgen_timing::property::predicate::{Atom, Predicate};
+use dotgen_timing::system::TaskId;
+use dotgen_timing::verify::{Prepared, PreparedCheck, Question};
+
+use crate::model::{
+    Clock, ClockGuard, Edge, Guard, LocationKind, Network, Process, Query, QueryKind, Relation,
+    Term, Update, Variable, all, any, var,
+};
+
+use super::layout::{Layout, TaskPart, position};
+use super::refusals::{self, Refusal};
+use super::{predicates, scheduler};
+
+/// The checks of a system.
+pub(super) struct Checks<'c> {
+    layout: &'c Layout<'c>,
+    entries: Vec<Entry<'c>>,
+    /// Atoms that predicates leave: each has a variable with its value in the state before.
+    left: Vec<&'c Atom>,
+}
+
+/// A check.
+struct Entry<'c> {
+    /// Name of the check, or its kind and subject.
+    name: String,
+    /// Name of its location.
+    goal: String,
+    question: &'c Question,
+}
+
+/// The clocks of a response time: the present job's is `a` or `b`, as a variable says.
+const SIDES: [(usize, &str); 2] = [(0, "a"), (1, "b")];
+
+impl<'c> Checks<'c> {
+    pub(super) fn new(
+        layout: &'c Layout<'c>,
+        prepared: &'c Prepared,
+    ) -> Result<Checks<'c>, Vec<Refusal>> {
+        let mut out = Checks { layout, entries: Vec::new(), left: Vec::new() };
+        let mut refusals = Vec::new();
+        for (index, check) in prepared.checks.iter().enumerate() {
+            let PreparedCheck { report, question } = check;
+            let words = format!("{} {}", report.kind, report.of);
+            let name = report.name.clone().unwrap_or(words);
+            let goal = format!("check_{}_{}", index + 1, super::identifier(report.kind.word()));
+            let mut parts: Vec<&Predicate> = Vec::new();
+            match question {
+                Question::Within(p, list, _) if list.len() == 1 => parts.extend([p, &list[0]]),
+                Question::Within(..) => {
+                    refusals.push(Refusal::new("within … => … => …", Some(name.clone())))
+                }
+                Question::Always(p) | Question::Reachable(p) => parts.push(p),
+                Question::LeadsTo(..) | Question::Eventually(_) | Question::Deadlock => {
+                    refusals.push(Refusal::new(report.kind.word(), Some(name.clone())));
+                }
+                Question::Schedulable(_) | Question::NoOverdue(_) | Question::Response(..) => {}
+            }
+            for predicate in parts {
+                predicates::left(predicate, &mut out.left);
+                let mut atoms = Vec::new();
+                atoms_of(predicate, &mut atoms);
+                refusals.extend(
+                    atoms.iter().filter_map(|atom| refusals::of_atom(prepared, atom, &name)),
+                );
+            }
+            out.entries.push(Entry { name, goal, question });
+        }
+        if refusals.is_empty() { Ok(out) } else { Err(refusals) }
+    }
+
+    /// Returns true if the response time of a task is measured.
+    fn measures(&self, task: &TaskPart) -> bool {
+        self.entries.iter().any(|entry| match *entry.question {
+            Question::Response(of, _) | Question::NoOverdue(of) => TaskId::from(of) == task.id,
+            _ => false,
+        })
+    }
+
+    /// Returns the observers of pairs of predicates, with their numbers.
+    fn withins(&self) -> impl Iterator<Item = (usize, &Entry<'c>, &'c Predicate, &'c Predicate)> {
+        self.entries.iter().enumerate().filter_map(|(index, entry)| match entry.question {
+            Question::Within(p, list, _) => Some((index + 1, entry, p, list.first()?)),
+            _ => None,
+        })
+    }
+
+    pub(super) fn declare(&self, network: &mut Network) {
+        let mut variable = |name: String, comment: String| {
+            network.variables.push(Variable { name, size: None, most: 1, comment });
+        };
+        let mut clocks = Vec::new();
+        let tasks = self.layout.parts.iter().flat_map(|part| &part.tasks);
+        for task in tasks.filter(|task| self.measures(task)) {
+            let what = format!("clock of the present job of {}: 0 a, 1 b", task.name);
+            variable(format!("measures_{}", task.name), what);
+            for (_, side) in SIDES {
+                let comment = format!("age of a job of {}", task.name);
+                clocks.push(Clock { name: format!("job_{}_{side}", task.name), comment });
+            }
+        }
+        for (number, entry, ..) in self.withins() {
+            let what = format!("1: {} waits for its response", entry.name);
+            variable(format!("open_{number}"), what);
+            variable(format!("was_{number}"), format!("1: {} was triggered before", entry.name));
+            let comment = format!("time since the trigger of {}", entry.name);
+            clocks.push(Clock { name: format!("y_{number}"), comment });
+        }
+        for index in 0..self.left.len() {
+            variable(format!("held_before_{index}"), "1: held before the last action".to_owned());
+        }
+        network.clocks.extend(clocks);
+    }
+
+    /// Returns the cases of a tick: when, updates, and a comment.
+    pub(super) fn at_tick(&self, task: &TaskPart) -> Vec<(Guard, Vec<Update>, &'static str)> {
+        if !self.measures(task) {
+            return vec![(Guard::always(), Vec::new(), "a tick")];
+        }
+        let measures = task.flag("measures");
+        let due = task.due();
+        let mut out = vec![(due.clone().is(1_usize), Vec::new(), "a tick, while one is kept")];
+        for (number, side) in SIDES {
+            let other = SIDES[1 - number].1;
+            let of = all([due.clone().is(0_usize), measures.clone().is(number)]);
+            let reset = |side: &str| vec![Update::Reset(format!("job_{}_{side}", task.name))];
+            let idle = all([of.clone(), task.position().below(position::WAITS)]);
+            out.push((idle, reset(side), "a tick: a job begins"));
+            let busy = all([of, task.position().at_least(position::WAITS)]);
+            out.push((busy, reset(other), "a tick, which is kept for the next job"));
+        }
+        out
+    }
+
+    /// Returns the cases of the end of a cycle: when, updates, and a comment.
+    pub(super) fn at_end(&self, task: &TaskPart) -> Vec<(Guard, Vec<Update>, &'static str)> {
+        if !self.measures(task) {
+            return vec![(Guard::always(), Vec::new(), "the cycle is over")];
+        }
+        let (measures, first) = (task.flag("measures"), task.first());
+        let mut out = Vec::new();
+        for (number, side) in SIDES {
+            let guard = all([first.clone().is(1_usize), measures.clone().is(number)]);
+            let reset = vec![Update::Reset(format!("job_{}_{side}", task.name))];
+            out.push((guard, reset, "the first cycle is over: a kept tick counts from now"));
+            let guard = all([
+                first.clone().is(0_usize),
+                task.due().is(1_usize),
+                measures.clone().is(number),
+            ]);
+            let other = vec![measures.clone().set(1 - number)];
+            out.push((guard, other, "the cycle is over: a kept tick begins the next job"));
+        }
+        let guard = all([first.is(0_usize), task.due().is(0_usize)]);
+        out.push((guard, Vec::new(), "the cycle is over"));
+        out
+    }
+
+    /// Returns a predicate as a condition after an action.
+    fn condition(&self, predicate: &Predicate) -> Guard {
+        predicates::condition(self.layout, predicate, &|atom| {
+            let index = self.left.iter().position(|left| *left == atom);
+            let before = index.map(|index| var(&format!("held_before_{index}")).is(1_usize));
+            let now = predicates::atom(self.layout, atom);
+            all([before.unwrap_or(any([])), now.negated()])
+        })
+    }
+
+    /// Returns a predicate as a condition while time passes.
+    fn condition_still(&self, predicate: &Predicate) -> Guard {
+        predicates::condition(self.layout, predicate, &|_| any([]))
+    }
+
+    /// Returns the location that follows an action.
+    pub(super) fn first_location(&self) -> String {
+        self.withins().next().map_or("looks".to_owned(), |(number, ..)| format!("watches_{number}"))
+    }
+
+    /// Adds the locations that observe the state after an action, up to `settles`.
+    pub(super) fn observe(&self, out: &mut Process) {
+        let numbers: Vec<usize> = self.withins().map(|(number, ..)| number).collect();
+        for (index, (number, entry, trigger, response)) in self.withins().enumerate() {
+            let next = numbers.get(index + 1);
+            let target = next.map_or("looks".to_owned(), |next| format!("watches_{next}"));
+            self.watch(number, &target, (trigger, response), entry, out);
+        }
+        out.location("looks", LocationKind::Committed, "compares the state with the checks");
+        let mut edge = Edge::new("looks", "settles", "all checks have seen the state");
+        for (index, atom) in self.left.iter().enumerate() {
+            let now = predicates::atom(self.layout, atom);
+            let value = Term::If(Box::new(now), Box::new(1_usize.into()), Box::new(0_usize.into()));
+            edge.updates.push(var(&format!("held_before_{index}")).set(value));
+        }
+        out.edge(edge);
+    }
+
+    fn watch(
+        &self,
+        number: usize,
+        target: &str,
+        (trigger, response): (&Predicate, &Predicate),
+        entry: &Entry,
+        out: &mut Process,
+    ) {
+        let location = format!("watches_{number}");
+        let comment = format!("opens and closes the obligation of {}", entry.name);
+        out.location(&location, LocationKind::Committed, comment);
+        let (open, was) = (var(&format!("open_{number}")), var(&format!("was_{number}")));
+        let triggered =
+            all([open.clone().is(0_usize), self.condition(trigger), was.clone().is(0_usize)]);
+        let met = self.condition(response);
+        let now = Box::new(self.condition_still(trigger));
+        let value = Term::If(now, Box::new(1_usize.into()), Box::new(0_usize.into()));
+        let mut add = |guards: [Guard; 2], updates: Vec<Update>, comment: &str| {
+            let edge = Edge::new(&location, target, comment).when(all(guards));
+            out.edge(edge.with(updates).with([was.clone().set(value.clone())]));
+        };
+        let opens = vec![open.clone().set(1_usize), Update::Reset(format!("y_{number}"))];
+        add([triggered.clone(), met.negated()], opens, "the obligation begins");
+        add([triggered.clone(), met.clone()], Vec::new(), "triggered and met at once");
+        let is_open = open.clone().is(1_usize);
+        add(
+            [is_open.clone(), met.clone()],
+            vec![open.clone().set(0_usize)],
+            "the obligation is met",
+        );
+        add([is_open, met.negated()], Vec::new(), "the obligation stays open");
+        add([open.is(0_usize), triggered.negated()], Vec::new(), "no obligation");
+    }
+
+    /// Adds the locations that are goals.
+    pub(super) fn goals(&self, out: &mut Process) {
+        for entry in &self.entries {
+            out.location(&entry.goal, LocationKind::Normal, entry.name.clone());
+            if let Some(location) = out.locations.last_mut() {
+                location.is_goal = true;
+            }
+            for (source, guard, clock) in self.reached(entry) {
+                let edge = Edge::new(source, &entry.goal, entry.name.clone());
+                let mut edge = edge.when(guard);
+                edge.clocks.extend(clock);
+                out.edge(edge);
+            }
+        }
+    }
+
+    /// Returns the conditions under which a goal is reached: in a location, over integers, over a clock.
+    fn reached(&self, entry: &Entry) -> Vec<(&'static str, Guard, Option<ClockGuard>)> {
+        match entry.question {
+            Question::Schedulable(task) => {
+                let task = self.layout.task(TaskId::from(*task));
+                let missed = all([
+                    task.due().is(1_usize),
+                    task.first().is(0_usize),
+                    task.position().at_least(position::WAITS),
+                ]);
+                vec![("looks", missed, None)]
+            }
+            Question::NoOverdue(task) => {
+                let task = self.layout.task(TaskId::from(*task));
+                let waits = all([task.position().is(position::WAITS), task.first().is(0_usize)]);
+                let period = task.period.unwrap_or(0);
+                self.jobs(task, &waits, Relation::AtLeast, period)
+            }
+            Question::Response(task, Some(limit)) => {
+                let task = self.layout.task(TaskId::from(*task));
+                self.jobs(task, &job(task), Relation::Greater, i64::from(*limit))
+            }
+            Question::Within(_, _, Some(limit)) => {
+                let number = self.number(entry);
+                let open = var(&format!("open_{number}")).is(1_usize);
+                let (clock, value) = (format!("y_{number}"), i64::from(*limit));
+                let late = ClockGuard { clock, relation: Relation::Greater, value };
+                vec![(scheduler::CALM, open, Some(late))]
+            }
+            Question::Always(p) => vec![("looks", self.condition(p).negated(), None)],
+            Question::Reachable(p) => vec![("looks", self.condition(p), None)],
+            _ => Vec::new(),
+        }
+    }
+
+    fn number(&self, entry: &Entry) -> usize {
+        let mut withins = self.withins().filter(|within| std::ptr::eq(within.1, entry));
+        withins.next().map_or(0, |(number, ..)| number)
+    }
+
+    /// Returns the conditions on the clock of a task's present job.
+    fn jobs(
+        &self,
+        task: &TaskPart,
+        while_: &Guard,
+        relation: Relation,
+        value: i64,
+    ) -> Vec<(&'static str, Guard, Option<ClockGuard>)> {
+        let side = |(number, side): (usize, &str)| {
+            let guard = all([while_.clone(), task.flag("measures").is(number)]);
+            let clock = format!("job_{}_{side}", task.name);
+            (scheduler::CALM, guard, Some(ClockGuard { clock, relation, value }))
+        };
+        SIDES.map(side).to_vec()
+    }
+
+    /// Returns the queries of all checks.
+    pub(super) fn queries(&self) -> Vec<Query> {
+        let mut out = Vec::new();
+        for entry in &self.entries {
+            let (process, location) = (scheduler::NAME.to_owned(), entry.goal.clone());
+            let mut add = |kind: QueryKind, comment: &str| {
+                let comment = vec![comment.to_owned()];
+                out.push(Query { name: entry.name.clone(), comment, kind });
+            };
+            match entry.question {
+                Question::Reachable(_) => {
+                    add(QueryKind::Reachable { process, location }, "a run reaches the location");
+                }
+                Question::Response(task, limit) => {
+                    if limit.is_some() {
+                        add(QueryKind::Never { process, location }, "holds if it is never reached");
+                    }
+                    let task = self.layout.task(TaskId::from(*task));
+                    let side = |(number, side): (usize, &str)| {
+                        let guard = all([job(task), task.flag("measures").is(number)]);
+                        (guard, format!("job_{}_{side}", task.name))
+                    };
+                    let sides = SIDES.map(side).to_vec();
+                    add(QueryKind::Greatest(sides), "the response time is the greater value");
+                }
+                Question::Within(_, _, limit) => {
+                    if limit.is_some() {
+                        add(QueryKind::Never { process, location }, "holds if it is never reached");
+                    }
+                    let number = self.number(entry);
+                    let open = var(&format!("open_{number}")).is(1_usize);
+                    let clock = vec![(open, format!("y_{number}"))];
+                    add(QueryKind::Greatest(clock), "the longest time");
+                }
+                _ => add(QueryKind::Never { process, location }, "holds if it is never reached"),
+            }
+        }
+        out
+    }
+}
+
+/// Returns the condition that a task has a job.
+fn job(task: &TaskPart) -> Guard {
+    let begun = all([task.position().is(position::IDLE), task.due().is(1_usize)]);
+    let active = any([task.position().at_least(position::WAITS), begun]);
+    all([task.first().is(0_usize), active])
+}
+
+/// Collects the atoms of a predicate.
+fn atoms_of<'p>(predicate: &'p Predicate, out: &mut Vec<&'p Atom>) {
+    match predicate {
+        Predicate::Atom(atom) | Predicate::Leave(atom) => out.push(atom),
+        Predicate::Not(of) => atoms_of(of, out),
+        Predicate::And(one, other) | Predicate::Or(one, other) => {
+            atoms_of(one, out);
+            atoms_of(other, out);
+        }
+    }
+}

@@ -1,0 +1,337 @@
+//! The integers and clocks of a network, and their names.
+
+use dotgen_timing::system::indexed::Built;
+use dotgen_timing::system::{
+    AutomatonId, ClientAction, ClientId, CodelId, ComponentId, Machine, Policy, ServiceId, TaskId,
+    TimedSystem,
+};
+use dotgen_timing::verify::Prepared;
+
+use crate::model::{Guard, Term, all, any, var};
+
+/// Values of the status of an activity.
+pub(super) mod status {
+    pub(crate) const FREE: usize = 0;
+    pub(crate) const ACCEPTED: usize = 1;
+    pub(crate) const RUNS: usize = 2;
+    pub(crate) const STOPS: usize = 3;
+    pub(crate) const ENDED: usize = 4;
+    /// No activity, but the end of the places of a task.
+    pub(crate) const LAST: usize = 5;
+}
+
+/// Values of the position of a task.
+pub(super) mod position {
+    pub(crate) const IDLE: usize = 1;
+    pub(crate) const WAITS: usize = 2;
+    pub(crate) const CYCLE: usize = 3;
+}
+
+/// Values of the step of a control task.
+pub(super) mod step {
+    pub(crate) const READY: usize = 1;
+    pub(crate) const CODELS: usize = 2;
+    pub(crate) const REPLIES: usize = 3;
+}
+
+/// Values of what a client follows. Places begin at `PLACE`.
+pub(super) mod tracked {
+    pub(crate) const NOTHING: usize = 0;
+    pub(crate) const HANDLED: usize = 1;
+    pub(crate) const PLACE: usize = 2;
+}
+
+/// The names of the parts of a system.
+pub(super) struct Layout<'s> {
+    pub(super) system: &'s TimedSystem,
+    pub(super) parts: Vec<Part>,
+    /// By codel, the name of its executor.
+    executors: Vec<Option<String>>,
+}
+
+/// A component.
+pub(super) struct Part {
+    pub(super) id: ComponentId,
+    pub(super) name: String,
+    pub(super) tasks: Vec<TaskPart>,
+    pub(super) kinds: Vec<Kind>,
+    /// Number of places of activities with the marks of their ends.
+    pub(super) size: usize,
+    /// Number of the first place among those of all components.
+    pub(super) offset: usize,
+    /// Clients request services.
+    pub(super) control: bool,
+    /// Clients request activities.
+    pub(super) activities: bool,
+    /// Codels wait for each other.
+    pub(super) queue: bool,
+    /// Services that clients request, with their codels in order.
+    pub(super) services: Vec<(ServiceId, Vec<CodelId>)>,
+}
+
+/// A task.
+pub(super) struct TaskPart {
+    pub(super) id: TaskId,
+    /// Index in the component.
+    pub(super) index: usize,
+    /// Component and name.
+    pub(super) name: String,
+    /// First place of its activities in the component, and their number.
+    pub(super) base: usize,
+    pub(super) count: usize,
+    /// Period, in base units.
+    pub(super) period: Option<i64>,
+    pub(super) needs_core: bool,
+}
+
+/// A permanent activity or an activity: what can be in a place.
+pub(super) struct Kind {
+    /// Number in the variables, from 1.
+    pub(super) number: usize,
+    pub(super) name: String,
+    /// Instance of its machine; `None` for a permanent activity without codels.
+    pub(super) automaton: Option<AutomatonId>,
+    /// `None` for a permanent activity.
+    pub(super) service: Option<ServiceId>,
+    pub(super) task: TaskId,
+}
+
+impl<'s> Layout<'s> {
+    pub(super) fn new(prepared: &'s Prepared) -> Layout<'s> {
+        let system = &prepared.built.system;
+        let mut parts = Vec::new();
+        let mut offset = 0;
+        for id in system.components.keys() {
+            let part = part(&prepared.built, id, offset);
+            offset += part.size;
+            parts.push(part);
+        }
+        let mut out = Layout { system, parts, executors: vec![None; system.codels.len()] };
+        for part in &out.parts {
+            for kind in &part.kinds {
+                let machine = kind.automaton.map(|automaton| system.machine_of(automaton));
+                let name = &part.task(kind.task).name;
+                for state in machine.iter().flat_map(|machine| &machine.states) {
+                    out.executors[usize::from(state.codel)] = Some(name.clone());
+                }
+            }
+            for &codel in part.services.iter().flat_map(|(_, codels)| codels) {
+                out.executors[usize::from(codel)] = Some(part.name.clone());
+            }
+        }
+        let waits: Vec<bool> = out.parts.iter().map(|part| out.waits(part)).collect();
+        for (part, waits) in out.parts.iter_mut().zip(waits) {
+            part.queue = waits;
+        }
+        out
+    }
+
+    /// Returns true if codels of a component can wait for others.
+    fn waits(&self, part: &Part) -> bool {
+        let executors = part.tasks.len() + usize::from(part.has_control_codels());
+        let codels = self.system.codels.iter_enumerated();
+        let mut own = codels.filter(|(_, codel)| codel.component == part.id);
+        executors > 1 || own.any(|(codel, _)| !self.blocked(codel).is_empty())
+    }
+
+    /// Returns the conditions under which a codel must wait, once it is first in its queue.
+    pub(super) fn blocked(&self, codel: CodelId) -> Vec<Guard> {
+        let own = &self.executors[usize::from(codel)];
+        let mut out = Vec::new();
+        for other in self.system.codels[codel].conflicts.iter() {
+            if let Some(executor) = &self.executors[usize::from(other)]
+                && Some(executor) != own.as_ref()
+            {
+                out.push(executed(executor).is(number(other)));
+            }
+        }
+        out
+    }
+
+    /// Returns the name of a codel's executor; `None` if the codel is never executed.
+    pub(super) fn executor(&self, codel: CodelId) -> Option<&String> {
+        self.executors[usize::from(codel)].as_ref()
+    }
+
+    /// Returns the condition under which the first in a component's lock queue can begin its codel.
+    pub(super) fn first_can_begin(&self, part: &Part) -> Guard {
+        let mut out = Vec::new();
+        for (executor, name, codels) in self.executors_of(part) {
+            let mut guards = vec![part.lock_queue(0_usize).is(executor)];
+            for codel in codels {
+                let blocked = self.blocked(codel);
+                if !blocked.is_empty() {
+                    let free = blocked.iter().map(Guard::negated);
+                    guards.push(any([wanted(&name).is_not(number(codel)), all(free)]));
+                }
+            }
+            out.push(all(guards));
+        }
+        any(out)
+    }
+
+    /// Returns the executors of a component, each with its number in the queue, its name and its codels.
+    pub(super) fn executors_of(&self, part: &Part) -> Vec<(usize, String, Vec<CodelId>)> {
+        let mut out = Vec::new();
+        for task in &part.tasks {
+            let kinds = part.kinds.iter().filter(|kind| kind.task == task.id);
+            let machines = kinds.filter_map(|kind| self.machine(kind));
+            let codels =
+                machines.flat_map(|machine| machine.states.iter().map(|state| state.codel));
+            out.push((task.executor(), task.name.clone(), codels.collect()));
+        }
+        if part.has_control_codels() {
+            let codels = part.services.iter().flat_map(|(_, codels)| codels).copied();
+            out.push((part.tasks.len() + 1, part.name.clone(), codels.collect()));
+        }
+        out
+    }
+
+    pub(super) fn machine(&self, kind: &Kind) -> Option<&'s Machine> {
+        kind.automaton.map(|automaton| self.system.machine_of(automaton))
+    }
+
+    /// Returns the component and the kind of a service's activities.
+    pub(super) fn kind_of(&self, service: ServiceId) -> Option<(&Part, &Kind)> {
+        let part = &self.parts[usize::from(self.system.services[service].component)];
+        let kind = part.kinds.iter().find(|kind| kind.service == Some(service))?;
+        Some((part, kind))
+    }
+
+    pub(super) fn part(&self, id: ComponentId) -> &Part {
+        &self.parts[usize::from(id)]
+    }
+
+    pub(super) fn task(&self, id: TaskId) -> &TaskPart {
+        self.part(self.system.tasks[id].component).task(id)
+    }
+
+    /// Returns the number of cores, if it is limited.
+    pub(super) fn cores(&self) -> Option<usize> {
+        self.system.platform.cores.map(|count| count as usize)
+    }
+
+    pub(super) fn is_fifo(&self) -> bool {
+        self.system.platform.policy == Policy::Fifo
+    }
+
+    /// Returns true if some request is tested for the success of a service.
+    pub(super) fn notes_success(&self, service: ServiceId) -> bool {
+        let requested = self.system.requested();
+        let mut others = self.system.services.iter().zip(&requested).filter(|pair| *pair.1);
+        let names = |list: &[ServiceId]| list.contains(&service);
+        requested[service] && others.any(|(other, _)| names(&other.after) || names(&other.before))
+    }
+
+    /// Returns the name of a service, with its component.
+    pub(super) fn service_name(&self, service: ServiceId) -> String {
+        self.system.service_path(service).replace('.', "_")
+    }
+
+    /// Returns the variable of the success of a service.
+    pub(super) fn success(&self, service: ServiceId) -> Term {
+        var(&format!("succeeded_{}", self.service_name(service)))
+    }
+
+    /// Returns every tracker: client and number.
+    pub(super) fn trackers(&self) -> Vec<(ClientId, usize)> {
+        let clients = self.system.clients.iter_enumerated();
+        clients.flat_map(|(id, client)| (0..client.trackers).map(move |t| (id, t))).collect()
+    }
+
+    pub(super) fn tracker(&self, client: ClientId, tracker: usize) -> Term {
+        var(&format!("follows_{}_{tracker}", self.client_name(client)))
+    }
+
+    pub(super) fn client_name(&self, client: ClientId) -> String {
+        super::identifier(&self.system.clients[client].name)
+    }
+
+    pub(super) fn client_step(&self, client: ClientId) -> Term {
+        var(&format!("step_{}", self.client_name(client)))
+    }
+
+    /// Returns the variable that is 1 while a client's request is not answered.
+    pub(super) fn outstanding(&self, client: ClientId) -> Term {
+        var(&format!("asks_{}", self.client_name(client)))
+    }
+
+    /// Returns the channel of a client's requests for a service.
+    pub(super) fn request(&self, client: ClientId, service: ServiceId) -> String {
+        format!("request_{}_{}", self.client_name(client), self.service_name(service))
+    }
+}
+
+/// Collects the names of a component.
+fn part(built: &Built, id: ComponentId, offset: usize) -> Part {
+    let system = &built.system;
+    let component = &system.components[id];
+    let name = component.name.clone();
+    let requested = system.requested();
+    let mut tasks = Vec::new();
+    let mut kinds = Vec::new();
+    let mut base = 0;
+    for (index, &task) in component.tasks.iter().enumerate() {
+        let definition = &system.tasks[task];
+        let count = system.most_places(task);
+        tasks.push(TaskPart {
+            id: task,
+            index,
+            name: format!("{name}_{}", definition.name),
+            base,
+            count,
+            period: definition.period.map(i64::from),
+            needs_core: system.needs_core(task),
+        });
+        base += count + 1;
+        kinds.push(Kind {
+            number: kinds.len() + 1,
+            name: definition.name.clone(),
+            automaton: definition.permanent,
+            service: None,
+            task,
+        });
+    }
+    let mut services = Vec::new();
+    for &service in component.services.iter().filter(|&&service| requested[service]) {
+        let definition = &system.services[service];
+        let codels = definition.validate.iter().chain(&definition.simple).copied().collect();
+        services.push((service, codels));
+        if let Some(&automaton) = definition.slots.first() {
+            kinds.push(Kind {
+                number: kinds.len() + 1,
+                name: definition.name.clone(),
+                automaton: Some(automaton),
+                service: Some(service),
+                task: system.automata[automaton].task,
+            });
+        }
+    }
+    let activities = kinds.iter().any(|kind| kind.service.is_some());
+    let control = sends(system, id);
+    Part { id, name, tasks, kinds, size: base, offset, control, activities, queue: false, services }
+}
+
+/// Returns true if a client requests a service of a component.
+fn sends(system: &TimedSystem, component: ComponentId) -> bool {
+    let mut steps = system.clients.iter().flat_map(|client| &client.steps);
+    steps.any(|step| {
+        matches!(step.action, ClientAction::Send { service, .. }
+            if system.services[service].component == component)
+    })
+}
+
+/// Returns the number of a codel in variables.
+pub(super) fn number(codel: CodelId) -> usize {
+    usize::from(codel) + 1
+}
+
+/// Returns the variable of the codel that an executor takes a ticket for, waits for or executes.
+pub(super) fn wanted(executor: &str) -> Term {
+    var(&format!("wants_{executor}"))
+}
+
+/// Returns the variable of the codel that an executor executes.
+pub(super) fn executed(executor: &str) -> Term {
+    var(&format!("codel_{executor}"))
+}

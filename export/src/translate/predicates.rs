@@ -1,0 +1,107 @@
+//! Predicates as conditions over integers.
+
+use dotgen_timing::property::predicate::{Atom, Predicate, SlotStatus, StatePhase, TaskState};
+use dotgen_timing::system::CodelId;
+
+use crate::model::{Guard, all, any};
+
+use super::layout::{Layout, executed, number, position, status, step, wanted};
+
+/// Returns a predicate as a condition. `leave` gives the condition that an atom has just stopped holding.
+pub(super) fn condition(
+    layout: &Layout,
+    predicate: &Predicate,
+    leave: &dyn Fn(&Atom) -> Guard,
+) -> Guard {
+    let inner = |predicate: &Predicate| condition(layout, predicate, leave);
+    match predicate {
+        Predicate::Atom(of) => atom(layout, of),
+        Predicate::Leave(of) => leave(of),
+        Predicate::Not(of) => inner(of).negated(),
+        Predicate::And(one, other) => all([inner(one), inner(other)]),
+        Predicate::Or(one, other) => any([inner(one), inner(other)]),
+    }
+}
+
+/// Returns the atoms of a predicate that are left.
+pub(super) fn left<'p>(predicate: &'p Predicate, out: &mut Vec<&'p Atom>) {
+    match predicate {
+        Predicate::Atom(_) => {}
+        Predicate::Leave(atom) => {
+            if !out.contains(&atom) {
+                out.push(atom);
+            }
+        }
+        Predicate::Not(of) => left(of, out),
+        Predicate::And(one, other) | Predicate::Or(one, other) => {
+            left(one, out);
+            left(other, out);
+        }
+    }
+}
+
+/// Returns an atom as a condition.
+pub(super) fn atom(layout: &Layout, atom: &Atom) -> Guard {
+    match atom {
+        Atom::Task(task, state) => {
+            let at = layout.task(*task).position();
+            match state {
+                TaskState::Idle => at.below(position::WAITS),
+                TaskState::Waiting => at.is(position::WAITS),
+                TaskState::Running => at.is(position::CYCLE),
+                TaskState::Active => at.at_least(position::WAITS),
+            }
+        }
+        Atom::State { machine, state, phase } => {
+            let codel = layout.system.machines[*machine].states[*state].codel;
+            in_phase(layout, codel, *phase)
+        }
+        Atom::Slot(service, of) => {
+            let Some((part, kind)) = layout.kind_of(*service) else {
+                return if *of == SlotStatus::Void { Guard::always() } else { any([]) };
+            };
+            let task = part.task(kind.task);
+            let places = task.base..task.base + task.count;
+            let is_of_kind = |place: usize| part.kind(place).is(kind.number);
+            let has = |value: usize| {
+                let has = |place: usize| all([is_of_kind(place), part.status(place).is(value)]);
+                any(places.clone().map(has))
+            };
+            match of {
+                SlotStatus::Void => any(places.map(is_of_kind)).negated(),
+                SlotStatus::Active => any(places.map(is_of_kind)),
+                SlotStatus::Wait => has(status::ACCEPTED),
+                SlotStatus::Run => has(status::RUNS),
+                SlotStatus::Stop => has(status::STOPS),
+            }
+        }
+        Atom::Handling { service, codel: Some(codel), phase } => {
+            let requested = layout.system.requested();
+            if requested[*service] { in_phase(layout, *codel, *phase) } else { any([]) }
+        }
+        Atom::Handling { service, codel: None, phase } => {
+            let part = layout.part(layout.system.services[*service].component);
+            let own = part.services.iter().filter(|(id, _)| id == service);
+            let codels = own.flat_map(|(_, codels)| codels);
+            any(codels.map(|&codel| in_phase(layout, codel, *phase)))
+        }
+        Atom::ControlBusy(component) => layout.part(*component).step().is_not(step::READY),
+        Atom::Client(client, steps) => {
+            let at = layout.client_step(*client);
+            any(steps.iter().map(|&step| at.clone().is(step)))
+        }
+    }
+}
+
+/// Returns the condition that an executor has a codel: waiting, executing, or either.
+fn in_phase(layout: &Layout, codel: CodelId, phase: StatePhase) -> Guard {
+    let Some(executor) = layout.executor(codel) else {
+        return any([]);
+    };
+    let number = number(codel);
+    match phase {
+        StatePhase::Exec => executed(executor).is(number),
+        StatePhase::Any => wanted(executor).is(number),
+        StatePhase::Lock => all([wanted(executor).is(number), executed(executor).is_not(number)]),
+    }
+}

@@ -1,0 +1,102 @@
+//! What the network cannot contain, by name.
+
+use std::fmt;
+
+use dotgen_timing::property::predicate::Atom;
+use dotgen_timing::scn::semantics::Semantics;
+use dotgen_timing::system::{ClientAction, Policy};
+use dotgen_timing::verify::Prepared;
+
+/// A construct that is not translated.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refusal {
+    /// The construct, as scenarios and specifications write it.
+    pub construct: String,
+    /// Its place: a check, a client, a service or a state machine; `None` for the whole scenario.
+    pub place: Option<String>,
+}
+
+impl Refusal {
+    pub(super) fn new(construct: &str, place: Option<String>) -> Refusal {
+        Refusal { construct: construct.to_owned(), place }
+    }
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "not exported: `{}`", self.construct)?;
+        match &self.place {
+            Some(place) => write!(f, " of {place}"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Returns everything in a system that is not translated, except its checks.
+pub(super) fn of_system(prepared: &Prepared) -> Vec<Refusal> {
+    let system = &prepared.built.system;
+    let mut out = Vec::new();
+    if prepared.built.has_errors() || prepared.report.has_errors() {
+        out.push(Refusal::new("a scenario with errors", None));
+    }
+    let (own, servers) = (system.platform.semantics, Semantics::SERVERS);
+    if (Semantics { preset: servers.preset, ports: servers.ports, ..own }) != servers {
+        out.push(Refusal::new(&format!("semantics {}", own.text()), None));
+    }
+    let policy = system.platform.policy;
+    if system.platform.cores.is_some() && !matches!(policy, Policy::Fifo | Policy::Any) {
+        out.push(Refusal::new(&format!("policy {policy:?}").to_lowercase(), None));
+    }
+    for automaton in &system.automata {
+        let machine = &system.machines[automaton.machine];
+        if machine.loop_limit.is_some() {
+            let refusal = Refusal::new("loop", Some(machine.name.clone()));
+            if !out.contains(&refusal) {
+                out.push(refusal);
+            }
+        }
+    }
+    for client in &system.clients {
+        let mut refuse = |construct: &str| {
+            let refusal = Refusal::new(construct, Some(client.name.clone()));
+            if !out.contains(&refusal) {
+                out.push(refusal);
+            }
+        };
+        if client.awaits_event.is_some() {
+            refuse("measure");
+        }
+        for step in &client.steps {
+            match &step.action {
+                ClientAction::Send { service, .. } => {
+                    if let Some(builtin) = system.services[*service].builtin {
+                        refuse(builtin.name());
+                    }
+                }
+                ClientAction::AwaitOutcome(_, true) => refuse("await ended ok"),
+                ClientAction::AwaitOutcome(_, false) => refuse("await ended failed"),
+                ClientAction::AwaitAny
+                | ClientAction::AwaitAccepted
+                | ClientAction::AwaitEnded(_)
+                | ClientAction::Delay(..) => {}
+            }
+        }
+    }
+    out.extend(prepared.report.notes.iter().map(|note| Refusal::new(note, None)));
+    out
+}
+
+/// Returns the refusal of an atom that has no variable in the network.
+pub(super) fn of_atom(prepared: &Prepared, atom: &Atom, check: &str) -> Option<Refusal> {
+    let Atom::ControlBusy(component) = atom else {
+        return None;
+    };
+    let system = &prepared.built.system;
+    let mut steps = system.clients.iter().flat_map(|client| &client.steps);
+    let requested = steps.any(|step| {
+        let service = step.requests();
+        service.is_some_and(|service| system.services[service].component == *component)
+    });
+    let name = &system.components[*component].name;
+    (!requested).then(|| Refusal::new(&format!("control task of {name}"), Some(check.to_owned())))
+}

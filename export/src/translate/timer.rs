@@ -1,0 +1,34 @@
+//! The clock of a component, as one timer for each periodic task.
+
+use crate::model::{Edge, LocationKind, Process, Relation};
+
+use super::checks::Checks;
+use super::layout::{Layout, TaskPart};
+
+/// Returns the timer of a periodic task: ticks at D, D + P, … for a delay D above 0, else at P, 2 P, ….
+pub(super) fn process(layout: &Layout, task: &TaskPart, checks: &Checks) -> Option<Process> {
+    let period = task.period?;
+    let delay = i64::from(layout.system.tasks[task.id].delay);
+    let clock = task.timer();
+    let mut out = Process::new(
+        &format!("timer_{}", task.name),
+        format!("the ticks of {}: period {period}, delay {delay}", task.name),
+    );
+    let mut add = |name: &str, most: i64, comment: &str| {
+        out.location(name, LocationKind::Normal, comment);
+        if let Some(location) = out.locations.last_mut() {
+            location.invariant = Some((clock.clone(), most));
+        }
+        for (guard, updates, comment) in checks.at_tick(task) {
+            let edge = Edge::new(name, "later", comment).when(guard);
+            let edge = edge.when_clock(&clock, Relation::Equal, most);
+            let tick = [task.due().set(1_usize), crate::model::Update::Reset(clock.clone())];
+            out.edges.push(edge.sends("step").with(updates).with(tick));
+        }
+    };
+    if delay > 0 {
+        add("first", delay, "before the first tick, which comes after the delay");
+    }
+    add("later", period, "before a tick, which comes one period after the last");
+    Some(out)
+}

@@ -1,0 +1,5 @@
+//! Tests of exported models.
+
+mod examples;
+mod outside;
+mod systems;
