@@ -7,6 +7,7 @@
 //! are granted, in this order. Then the scheduler is `busy`: no time passes. It becomes `calm`, and time may
 //! pass, when no action remains that must happen first. Ends of codels and ticks are bounded by invariants.
 
+mod activities;
 mod checks;
 mod client;
 mod control;
@@ -25,7 +26,7 @@ use dotgen_timing::verify::Prepared;
 
 use crate::model::Network;
 
-use self::layout::Layout;
+use self::layout::{Layout, identifier};
 pub use self::refusals::Refusal;
 
 /// Translates a system and its checks.
@@ -62,16 +63,6 @@ pub fn translate(prepared: &Prepared) -> Result<Network, Vec<Refusal>> {
     network.processes.push(scheduler::process(&layout, &checks));
     network.queries = checks.queries();
     Ok(network)
-}
-
-/// Returns a name as an identifier.
-fn identifier(name: &str) -> String {
-    let valid = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
-    let text: String = name.chars().map(valid).collect();
-    match text.chars().next() {
-        Some(first) if first.is_ascii_alphabetic() => text,
-        _ => format!("s_{text}"),
-    }
 }
 
 fn header(prepared: &Prepared) -> Vec<String> {

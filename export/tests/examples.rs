@@ -3,6 +3,9 @@
 use std::path::Path;
 
 use dotgen_export::{Format, export};
+use dotgen_timing::scn::ast::Policy;
+use dotgen_timing::scn::semantics::Preset;
+use dotgen_timing::verify::Options;
 
 use crate::systems::System;
 
@@ -11,7 +14,8 @@ fn example(path: &str) -> System {
 }
 
 fn files(path: &str, format: Format) -> String {
-    let files = export(&example(path).prepared(), format).expect("the example can be exported");
+    let files = export(&example(path).prepared(&Options::default()), format)
+        .expect("the example can be exported");
     let texts = files.iter().map(|file| format!("===== {} =====\n{}", file.name, file.text));
     texts.collect()
 }
@@ -24,4 +28,19 @@ fn pump_for_uppaal() {
 #[test]
 fn pump_for_tchecker() {
     insta::assert_snapshot!(files("pump/pump.scn", Format::TChecker));
+}
+
+/// Returns the refusals of the pump with options.
+fn refusals(options: &Options) -> Vec<String> {
+    let prepared = example("pump/pump.scn").prepared(options);
+    let refusals = export(&prepared, Format::Uppaal).expect_err("the options are refused");
+    refusals.iter().map(ToString::to_string).collect()
+}
+
+#[test]
+fn what_is_not_translated_is_refused_by_name() {
+    let edf = Options { policy: Some(Policy::Edf), ..Options::default() };
+    assert_eq!(refusals(&edf), ["not exported: `policy edf`"]);
+    let published = Options { semantics: Some(Preset::Published), ..Options::default() };
+    assert_eq!(refusals(&published), ["not exported: `semantics published`"]);
 }

@@ -5,14 +5,18 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use dotgen_export::{Format, export};
-use dotgen_timing::report::{CheckReport, Value, Verdict};
-use dotgen_timing::verify::{Prepared, PreparedCheck, Question};
+use dotgen_timing::report::{CheckReport, Soundness, Value, Verdict};
+use dotgen_timing::scn::ast::{Durations, Policy};
+use dotgen_timing::verify::{Options, Prepared, PreparedCheck, Question};
 use num_rational::Ratio;
 
 use crate::systems::System;
 
 /// Time that TChecker gets for one question, in seconds.
 const SECONDS: &str = "60";
+
+/// Time for one question of many, in seconds.
+const FEW_SECONDS: &str = "5";
 
 /// Limit in seconds that unbounded times exceed.
 const FAR: i128 = 3;
@@ -21,6 +25,8 @@ const FAR: i128 = 3;
 #[derive(Default)]
 struct Counts {
     agree: usize,
+    /// Checks without a value of the verifier.
+    without: usize,
     slow: Vec<String>,
     refused: Vec<String>,
     differ: Vec<String>,
@@ -34,7 +40,27 @@ fn servers() {
         .filter(|path| path.extension().is_some_and(|extension| extension == "scn"))
         .collect();
     scenarios.sort();
-    judge(&scenarios);
+    judge(&scenarios, SECONDS, &Options::default());
+}
+
+#[test]
+fn servers_with_other_options() {
+    let Some(folder) = dotgen_loaders::shared("servers") else { return };
+    let mut scenarios: Vec<PathBuf> = (std::fs::read_dir(folder).expect("the folder exists"))
+        .map(|entry| entry.expect("the folder is readable").path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "scn"))
+        .collect();
+    scenarios.sort();
+    let on = |cores, policy, durations| Options {
+        cores: Some(cores),
+        policy: Some(policy),
+        durations: Some(durations),
+        ..Options::default()
+    };
+    judge(&scenarios, FEW_SECONDS, &on(Some(1), Policy::Fifo, Durations::Fixed));
+    judge(&scenarios, FEW_SECONDS, &on(Some(1), Policy::Any, Durations::Interval));
+    judge(&scenarios, FEW_SECONDS, &on(Some(2), Policy::Fifo, Durations::Interval));
+    judge(&scenarios, FEW_SECONDS, &on(None, Policy::Fifo, Durations::Interval));
 }
 
 #[test]
@@ -43,11 +69,11 @@ fn examples() {
     let names = ["pump/pump.scn", "motor/motor.scn", "class/class.scn", "maneuver/maneuver.scn"];
     let paths = names.map(|name| folder.join(name));
     let scenarios: Vec<PathBuf> = paths.into_iter().filter(|path| path.exists()).collect();
-    judge(&scenarios);
+    judge(&scenarios, SECONDS, &Options::default());
 }
 
 /// Asks TChecker about every check of some scenarios.
-fn judge(scenarios: &[PathBuf]) {
+fn judge(scenarios: &[PathBuf], seconds: &str, options: &Options) {
     let Some(program) = std::env::var_os("DOTGEN_TCHECKER") else {
         return dotgen_loaders::skip("DOTGEN_TCHECKER names no program `tck-reach`");
     };
@@ -56,24 +82,33 @@ fn judge(scenarios: &[PathBuf]) {
     for path in scenarios {
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         if name.contains(&only) {
-            scenario(Path::new(&program), path, &name, &mut counts);
+            let asked = (Path::new(&program), seconds);
+            scenario(asked, path, &name, options, &mut counts);
         }
     }
-    eprintln!("{} answers agree", counts.agree);
-    counts.slow.iter().for_each(|slow| eprintln!("no answer in {SECONDS} s: {slow}"));
+    eprintln!("{} answers agree, {} checks have no value", counts.agree, counts.without);
+    counts.slow.iter().for_each(|slow| eprintln!("no answer in {seconds} s: {slow}"));
     counts.refused.iter().for_each(|refused| eprintln!("{refused}"));
     assert!(counts.differ.is_empty(), "{}", counts.differ.join("\n"));
 }
 
-fn scenario(program: &Path, path: &Path, name: &str, counts: &mut Counts) {
+fn scenario(
+    program: (&Path, &str),
+    path: &Path,
+    name: &str,
+    options: &Options,
+    counts: &mut Counts,
+) {
     let system = System::read(path);
-    let prepared = system.prepared();
-    let report = system.report();
+    let prepared = system.prepared(options);
+    let report = system.report(options);
     for check in &prepared.checks {
         let subject = format!("{name}: {} {}", check.report.kind, check.report.of);
         let answer = report.checks.iter().find(|answer| answer.id == check.report.id);
         let Some(answer) = answer else { continue };
-        for (question, reachable) in questions(&prepared, check, answer) {
+        let questions = questions(&prepared, check, answer);
+        counts.without += usize::from(questions.is_empty());
+        for (question, reachable) in questions {
             let mut alone = prepared.clone();
             alone.checks = vec![PreparedCheck { question, ..check.clone() }];
             let files = match export(&alone, Format::TChecker) {
@@ -110,11 +145,14 @@ fn questions(
     };
     if !matches!(question, Question::Response(..) | Question::Within(..)) {
         let holds = answer.verdict.holds();
-        if answer.verdict == Verdict::Unknown {
+        if matches!(answer.verdict, Verdict::Unknown | Verdict::Nothing) {
             return Vec::new();
         }
         let reachable = if matches!(question, Question::Reachable(_)) { holds } else { !holds };
         return vec![(question, reachable)];
+    }
+    if matches!(answer.soundness, Soundness::UpperBound | Soundness::LowerBound) {
+        return Vec::new();
     }
     match answer.value {
         Some(Value::Unbounded) => {
@@ -134,13 +172,17 @@ fn questions(
 }
 
 /// Returns the answer of TChecker to the only query of a network; `None` if there is none in time.
-fn reaches(program: &Path, network: &str) -> Option<bool> {
+fn reaches((program, seconds): (&Path, &str), network: &str) -> Option<bool> {
     let label = network.lines().find_map(|line| line.split_once("labels:"));
     let label = label.expect("the network has a label").1.trim_end_matches('}');
-    let file = std::env::temp_dir().join(format!("dotgen-export-{}.tck", std::process::id()));
+    let file = std::env::temp_dir().join(format!(
+        "dotgen-export-{}-{:?}.tck",
+        std::process::id(),
+        std::thread::current().id()
+    ));
     std::fs::write(&file, network).expect("the file can be written");
     let mut command = Command::new("timeout");
-    command.arg(SECONDS).arg(program).args(["-a", "covreach", "-l", label]).arg(&file);
+    command.arg(seconds).arg(program).args(["-a", "covreach", "-l", label]).arg(&file);
     let output = command.output().expect("the program starts");
     let _ = std::fs::remove_file(&file);
     let text = String::from_utf8_lossy(&output.stdout);

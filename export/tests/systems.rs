@@ -38,12 +38,13 @@ impl System {
         System { scenario: parsed.scenario, unit }
     }
 
-    pub(crate) fn prepared(&self) -> Prepared {
-        prepare(&self.input(), &self.scenario, &Options::default())
+    pub(crate) fn prepared(&self, options: &Options) -> Prepared {
+        prepare(&self.input(), &self.scenario, options)
     }
 
-    pub(crate) fn report(&self) -> Report {
-        verify(&self.input(), &self.scenario, &Options::default(), &Cancel::default())
+    /// Returns the answers of the verifier.
+    pub(crate) fn report(&self, options: &Options) -> Report {
+        verify(&self.input(), &self.scenario, options, &Cancel::default())
     }
 
     fn input(&self) -> SystemInput<'_> {

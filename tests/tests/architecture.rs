@@ -21,7 +21,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("check", &[]),
     ("timing", &["dotgen-syntax", "dotgen-analysis", "dotgen-check"]),
     ("recording", &["dotgen-syntax", "dotgen-analysis", "dotgen-timing"]),
-    ("export", &["dotgen-timing"]),
+    ("export", &["dotgen-analysis", "dotgen-timing"]),
     ("runtime", &["dotgen-analysis", "dotgen-codegen", "dotgen-timing", "dotgen-recording"]),
     ("platform", &["dotgen-syntax", "dotgen-analysis", "dotgen-codegen"]),
     ("ros2", &["dotgen-syntax", "dotgen-analysis", "dotgen-codegen"]),

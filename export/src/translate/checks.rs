@@ -9,9 +9,15 @@ use crate::model::{
     Term, Update, Variable, all, any, var,
 };
 
-use super::layout::{Layout, TaskPart, position};
+use super::layout::{Layout, TaskPart, identifier, position};
+use super::predicates;
 use super::refusals::{self, Refusal};
-use super::{predicates, scheduler};
+
+/// Name of the process that observes.
+pub(super) const SCHEDULER: &str = "scheduler";
+
+/// Its location in which time passes.
+pub(super) const CALM: &str = "calm";
 
 /// The checks of a system.
 pub(super) struct Checks<'c> {
@@ -44,12 +50,12 @@ impl<'c> Checks<'c> {
             let PreparedCheck { report, question } = check;
             let words = format!("{} {}", report.kind, report.of);
             let name = report.name.clone().unwrap_or(words);
-            let goal = format!("check_{}_{}", index + 1, super::identifier(report.kind.word()));
+            let goal = format!("check_{}_{}", index + 1, identifier(report.kind.word()));
             let mut parts: Vec<&Predicate> = Vec::new();
             match question {
                 Question::Within(p, list, _) if list.len() == 1 => parts.extend([p, &list[0]]),
                 Question::Within(..) => {
-                    refusals.push(Refusal::new("within … => … => …", Some(name.clone())))
+                    refusals.push(Refusal::new("within … => … => …", Some(name.clone())));
                 }
                 Question::Always(p) | Question::Reachable(p) => parts.push(p),
                 Question::LeadsTo(..) | Question::Eventually(_) | Question::Deadlock => {
@@ -272,7 +278,7 @@ impl<'c> Checks<'c> {
                 let open = var(&format!("open_{number}")).is(1_usize);
                 let (clock, value) = (format!("y_{number}"), i64::from(*limit));
                 let late = ClockGuard { clock, relation: Relation::Greater, value };
-                vec![(scheduler::CALM, open, Some(late))]
+                vec![(CALM, open, Some(late))]
             }
             Question::Always(p) => vec![("looks", self.condition(p).negated(), None)],
             Question::Reachable(p) => vec![("looks", self.condition(p), None)],
@@ -296,7 +302,7 @@ impl<'c> Checks<'c> {
         let side = |(number, side): (usize, &str)| {
             let guard = all([while_.clone(), task.flag("measures").is(number)]);
             let clock = format!("job_{}_{side}", task.name);
-            (scheduler::CALM, guard, Some(ClockGuard { clock, relation, value }))
+            (CALM, guard, Some(ClockGuard { clock, relation, value }))
         };
         SIDES.map(side).to_vec()
     }
@@ -305,7 +311,7 @@ impl<'c> Checks<'c> {
     pub(super) fn queries(&self) -> Vec<Query> {
         let mut out = Vec::new();
         for entry in &self.entries {
-            let (process, location) = (scheduler::NAME.to_owned(), entry.goal.clone());
+            let (process, location) = (SCHEDULER.to_owned(), entry.goal.clone());
             let mut add = |kind: QueryKind, comment: &str| {
                 let comment = vec![comment.to_owned()];
                 out.push(Query { name: entry.name.clone(), comment, kind });

@@ -4,8 +4,7 @@ use dotgen_timing::system::{ClientAction, ClientId, FOREVER};
 
 use crate::model::{Edge, Guard, LocationKind, Process, Relation, Update, any};
 
-use super::layout::{Layout, tracked};
-use super::task::bound;
+use super::layout::{Layout, bound, tracked};
 
 /// Returns the process of a client. A location is a step; the last one has no edges.
 pub(super) fn process(layout: &Layout, id: ClientId) -> Process {

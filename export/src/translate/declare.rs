@@ -167,7 +167,9 @@ impl Layout<'_> {
         if part.control {
             declare(format!("ends_{name}"), None, 1, "1: an activity has ended in the pass");
         }
-        declare(format!("wakes_{name}"), None, 1, "1: the other tasks must be woken");
+        if task.wakes {
+            declare(format!("wakes_{name}"), None, 1, "1: the other tasks must be woken");
+        }
         if task.needs_core {
             declare(format!("core_{name}"), None, 1, "1: the task holds a core");
         }

@@ -82,6 +82,8 @@ pub(super) struct TaskPart {
     /// Period, in base units.
     pub(super) period: Option<i64>,
     pub(super) needs_core: bool,
+    /// The component has other tasks without a period, which this task wakes.
+    pub(super) wakes: bool,
 }
 
 /// A permanent activity or an activity: what can be in a place.
@@ -244,7 +246,7 @@ impl<'s> Layout<'s> {
     }
 
     pub(super) fn client_name(&self, client: ClientId) -> String {
-        super::identifier(&self.system.clients[client].name)
+        identifier(&self.system.clients[client].name)
     }
 
     pub(super) fn client_step(&self, client: ClientId) -> Term {
@@ -271,6 +273,8 @@ fn part(built: &Built, id: ComponentId, offset: usize) -> Part {
     let mut tasks = Vec::new();
     let mut kinds = Vec::new();
     let mut base = 0;
+    let aperiodic =
+        component.tasks.iter().copied().filter(|&task| system.tasks[task].period.is_none());
     for (index, &task) in component.tasks.iter().enumerate() {
         let definition = &system.tasks[task];
         let count = system.most_places(task);
@@ -282,6 +286,7 @@ fn part(built: &Built, id: ComponentId, offset: usize) -> Part {
             count,
             period: definition.period.map(i64::from),
             needs_core: system.needs_core(task),
+            wakes: aperiodic.clone().any(|other| other != task),
         });
         base += count + 1;
         kinds.push(Kind {
@@ -334,4 +339,19 @@ pub(super) fn wanted(executor: &str) -> Term {
 /// Returns the variable of the codel that an executor executes.
 pub(super) fn executed(executor: &str) -> Term {
     var(&format!("codel_{executor}"))
+}
+
+/// Returns a name as an identifier.
+pub(super) fn identifier(name: &str) -> String {
+    let valid = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    let text: String = name.chars().map(valid).collect();
+    match text.chars().next() {
+        Some(first) if first.is_ascii_alphabetic() => text,
+        _ => format!("s_{text}"),
+    }
+}
+
+/// Returns an upper bound in words.
+pub(super) fn bound(upper: Option<i64>) -> String {
+    upper.map_or("any time".to_owned(), |upper| upper.to_string())
 }

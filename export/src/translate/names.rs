@@ -149,13 +149,14 @@ impl TaskPart {
         self.index + 1
     }
 
+    /// Returns the condition that the task has made the wake-ups that follow its last pass.
+    pub(super) fn is_awake(&self) -> Guard {
+        if self.wakes { self.flag("wakes").is(0_usize) } else { Guard::always() }
+    }
+
     /// Returns the condition under which the task can begin a cycle.
     pub(super) fn begins(&self) -> Guard {
-        all([
-            self.position().is(position::IDLE),
-            self.due().is(1_usize),
-            self.flag("wakes").is(0_usize),
-        ])
+        all([self.position().is(position::IDLE), self.due().is(1_usize), self.is_awake()])
     }
 
     /// Returns the condition under which a cycle needs a core: something could run.

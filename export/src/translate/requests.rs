@@ -4,9 +4,8 @@ use dotgen_timing::system::{CodelId, FOREVER, ServiceId};
 
 use crate::model::{Edge, Guard, LocationKind, Process, Relation, Term, Update, all, any};
 
-use super::control::{examine, free, interrupted, mark};
-use super::layout::{Layout, Part, number, status, step, tracked, wanted};
-use super::task::bound;
+use super::activities::{examine, free, interrupted, mark};
+use super::layout::{Layout, Part, bound, number, status, step, tracked, wanted};
 
 /// Adds the handling of every requested service to the process of a control task.
 pub(super) fn add(layout: &Layout, part: &Part, out: &mut Process) {
@@ -109,18 +108,14 @@ impl Writer<'_> {
 
     /// Returns the edge to the codel with a number, or to the reply.
     fn next(&self, from: &str, codel: usize, comment: &str) -> Edge {
-        match self.codels.get(codel) {
-            Some(&id) => {
-                let target = format!("{}_{codel}", self.location("ticket"));
-                let wants = wanted(&self.part.name).set(number(id));
-                let busy = self.part.step().set(step::CODELS);
-                Edge::new(from, &target, comment).sends("step").with([wants, busy])
-            }
-            None => {
-                let edge = Edge::new(from, &self.location("replies"), comment);
-                edge.sends("step").with(self.done(false))
-            }
-        }
+        let Some(&id) = self.codels.get(codel) else {
+            let edge = Edge::new(from, &self.location("replies"), comment);
+            return edge.sends("step").with(self.done(false));
+        };
+        let target = format!("{}_{codel}", self.location("ticket"));
+        let wants = wanted(&self.part.name).set(number(id));
+        let busy = self.part.step().set(step::CODELS);
+        Edge::new(from, &target, comment).sends("step").with([wants, busy])
     }
 
     /// Returns the updates after the last codel: all tasks are runnable.

@@ -4,19 +4,13 @@ use dotgen_timing::system::ClientAction;
 
 use crate::model::{Edge, Guard, LocationKind, Process, all, any, var};
 
-use super::checks::Checks;
+use super::checks::{CALM, Checks, SCHEDULER};
 use super::client::proceeds;
 use super::layout::{Layout, position, step};
 
-/// Name of the process.
-pub(super) const NAME: &str = "scheduler";
-
-/// The location in which time passes.
-pub(super) const CALM: &str = "calm";
-
 /// Returns the scheduler, with the observers and goals of the checks.
 pub(super) fn process(layout: &Layout, checks: &Checks) -> Process {
-    let mut out = Process::new(NAME, "what follows an action at once, and when time may pass");
+    let mut out = Process::new(SCHEDULER, "what follows an action at once, and when time may pass");
     let first = checks.first_location();
     out.location("prepares", LocationKind::Committed, "before time 0");
     let edge = Edge::new("prepares", &first, "the state at time 0");

@@ -5,7 +5,7 @@ use dotgen_timing::system::{FOREVER, State, Yield};
 use crate::model::{Edge, Guard, LocationKind, Process, Relation, Term, Update, all, any, var};
 
 use super::checks::Checks;
-use super::layout::{Kind, Layout, Part, TaskPart, number, position, status, step, wanted};
+use super::layout::{Kind, Layout, Part, TaskPart, bound, number, position, status, step, wanted};
 
 /// Writes the process of one task.
 struct Writer<'w> {
@@ -70,7 +70,14 @@ impl<'w> Writer<'w> {
             add(self, "waits", LocationKind::Normal, "waits for a core");
         }
         add(self, "again", LocationKind::Urgent, "before the next pass of the cycle");
-        add(self, "wakes", LocationKind::Urgent, "its cycle is over; before it wakes the others");
+        if task.wakes {
+            add(
+                self,
+                "wakes",
+                LocationKind::Urgent,
+                "its cycle is over; before it wakes the others",
+            );
+        }
         add(
             self,
             "begins",
@@ -94,9 +101,9 @@ impl<'w> Writer<'w> {
         ];
         self.out.edge(start.with(taken).with(pass));
         let again = Edge::new("again", "begins", "begins the next pass of the cycle");
-        let again = again.when(task.flag("wakes").is(0_usize));
+        let again = again.when(task.is_awake());
         self.out.edge(again.with([self.at().set(task.base)]).with(resumes));
-        for source in ["again", "wakes"] {
+        for source in ["again", "wakes"].into_iter().filter(|_| task.wakes) {
             let target = if source == "again" { "again" } else { "rest" };
             let edge = Edge::new(source, target, "makes the other tasks runnable");
             let mut edge = edge.when(task.flag("wakes").is(1_usize)).sends("step");
@@ -144,12 +151,11 @@ impl<'w> Writer<'w> {
             grant.updates.extend((0..layout.system.tasks.len()).map(shift));
             grant.updates.push(length.clone().set(length.plus(-1)));
         }
-        match task.period {
-            Some(_) => grant.updates.push(task.flag("resumes").set(1_usize)),
-            None => {
-                grant.updates.push(task.flag("resumes").set(task.due()));
-                grant.updates.push(task.due().set(0_usize));
-            }
+        if task.period.is_some() {
+            grant.updates.push(task.flag("resumes").set(1_usize));
+        } else {
+            grant.updates.push(task.flag("resumes").set(task.due()));
+            grant.updates.push(task.due().set(0_usize));
         }
         grant.updates.push(task.position().set(position::CYCLE));
         grant.updates.push(self.at().set(task.base));
@@ -221,8 +227,9 @@ impl<'w> Writer<'w> {
         let other = edge("nothing changes").when(any(others)).with([self.next_place()]);
         self.out.edge(other);
         let last = Edge::new("begins", "proceeds", "all activities are updated");
-        let last = last.when(self.status_is(status::LAST)).with([self.at().set(self.task.base)]);
-        self.out.edge(last);
+        let last = last.when(self.status_is(status::LAST));
+        let rest = [self.at().set(self.task.base), self.task.flag("resumes").set(0_usize)];
+        self.out.edge(last.with(rest));
     }
 
     /// The edges of interrupted activities at the start of a pass.
@@ -383,7 +390,7 @@ impl<'w> Writer<'w> {
         if task.period.is_none() {
             updates.push(task.due().set_if(event.clone(), 1_usize));
         }
-        if !part.wake(Some(task.id)).is_empty() {
+        if task.wakes {
             updates.push(task.flag("wakes").set_if(event, 1_usize));
         }
         if part.control {
@@ -404,15 +411,15 @@ impl<'w> Writer<'w> {
         let again = Edge::new("settles", "again", "another pass follows");
         let again = again.when(task.flag("goes_on").is(1_usize)).sends("step");
         self.out.edge(again.with([task.flag("goes_on").set(0_usize)]));
+        let ends = [(task.is_awake(), "rest"), (task.is_awake().negated(), "wakes")];
         for (guard, measured, comment) in self.checks.at_end(task) {
-            let waking = task.flag("wakes");
-            let ends = [task.position().set(position::IDLE), task.flag("first").set(0_usize)];
-            for (value, target) in [(0_usize, "rest"), (1, "wakes")] {
+            let idle = [task.position().set(position::IDLE), task.flag("first").set(0_usize)];
+            for (awake, target) in ends.iter().take(1 + usize::from(task.wakes)) {
                 let edge = Edge::new("settles", target, comment);
                 let over = task.flag("goes_on").is(0_usize);
-                let edge = edge.when(all([over, waking.clone().is(value), guard.clone()]));
-                let mut edge = edge.sends("step").with(measured.clone()).with(ends.clone());
-                if value == 0 {
+                let edge = edge.when(all([over, awake.clone(), guard.clone()]));
+                let mut edge = edge.sends("step").with(measured.clone()).with(idle.clone());
+                if *target == "rest" {
                     edge.updates.extend(self.frees_core());
                 }
                 self.out.edge(edge);
@@ -444,9 +451,4 @@ impl<'w> Writer<'w> {
         }
         Some((guard, updates))
     }
-}
-
-/// Returns an upper bound in words.
-pub(super) fn bound(upper: Option<i64>) -> String {
-    upper.map_or("any time".to_owned(), |upper| upper.to_string())
 }
