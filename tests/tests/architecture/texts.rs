@@ -69,6 +69,7 @@ fn nothing_looks_into_a_message() {
         "runtime",
         "recording",
         "export",
+        "xta",
         "platform",
         "ros2",
         "hosting",
