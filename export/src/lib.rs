@@ -12,7 +12,7 @@ mod uppaal;
 
 use dotgen_timing::verify::Prepared;
 
-pub use self::translate::{Refusal, translate};
+pub use self::translate::{Place, Refusal, translate};
 
 /// The language of a tool.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,13 +31,18 @@ pub struct File {
     pub text: String,
 }
 
-/// Returns the formal model of a system, as the files of a tool.
+/// Returns the formal model of a system, as the files of a tool. `place` gives the places of declarations,
+/// for comments.
 ///
 /// # Errors
 ///
 /// Everything that the model cannot contain.
-pub fn export(prepared: &Prepared, format: Format) -> Result<Vec<File>, Vec<Refusal>> {
-    let network = translate(prepared)?;
+pub fn export(
+    prepared: &Prepared,
+    place: &Place,
+    format: Format,
+) -> Result<Vec<File>, Vec<Refusal>> {
+    let network = translate(prepared, place)?;
     Ok(match format {
         Format::Uppaal => uppaal::print(&network),
         Format::TChecker => vec![tchecker::print(&network)],

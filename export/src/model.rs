@@ -163,7 +163,7 @@ pub enum Update {
 /// A question to the tool.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Query {
-    /// Name of the check, or its kind and subject.
+    /// Kind and subject of the check, after its name if it has one.
     pub name: String,
     /// The answer that confirms the check, and what it means.
     pub comment: Vec<String>,

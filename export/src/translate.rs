@@ -21,6 +21,7 @@ mod scheduler;
 mod task;
 mod timer;
 
+use dotgen_analysis::model::Src;
 use dotgen_timing::report::TimeUnit;
 use dotgen_timing::verify::Prepared;
 
@@ -29,17 +30,21 @@ use crate::model::Network;
 use self::layout::{Layout, identifier};
 pub use self::refusals::Refusal;
 
-/// Translates a system and its checks.
+/// Gives the place of a declaration, as `FILE:LINE`: the number of its component in
+/// [`Names::components`](dotgen_timing::scn::names::Names::components), and the declaration.
+pub type Place<'p> = dyn Fn(usize, Src) -> Option<String> + 'p;
+
+/// Translates a system and its checks. Comments have the places of declarations.
 ///
 /// # Errors
 ///
 /// Everything that the network cannot contain.
-pub fn translate(prepared: &Prepared) -> Result<Network, Vec<Refusal>> {
+pub fn translate(prepared: &Prepared, place: &Place) -> Result<Network, Vec<Refusal>> {
     let refusals = refusals::of_system(prepared);
     if !refusals.is_empty() {
         return Err(refusals);
     }
-    let layout = Layout::new(prepared);
+    let layout = Layout::new(prepared, place);
     let mut network = Network {
         name: identifier(&prepared.report.scenario),
         header: header(prepared),

@@ -14,8 +14,10 @@ fn example(path: &str) -> System {
 }
 
 fn files(path: &str, format: Format) -> String {
-    let files = export(&example(path).prepared(&Options::default()), format)
-        .expect("the example can be exported");
+    let system = example(path);
+    let place = |component, src| system.place(component, src);
+    let files = export(&system.prepared(&Options::default()), &place, format);
+    let files = files.expect("the example can be exported");
     let texts = files.iter().map(|file| format!("===== {} =====\n{}", file.name, file.text));
     texts.collect()
 }
@@ -33,7 +35,8 @@ fn pump_for_tchecker() {
 /// Returns the refusals of the pump with options.
 fn refusals(options: &Options) -> Vec<String> {
     let prepared = example("pump/pump.scn").prepared(options);
-    let refusals = export(&prepared, Format::Uppaal).expect_err("the options are refused");
+    let refusals =
+        export(&prepared, &|_, _| None, Format::Uppaal).expect_err("the options are refused");
     refusals.iter().map(ToString::to_string).collect()
 }
 

@@ -111,7 +111,11 @@ fn scenario(
         for (question, reachable) in questions {
             let mut alone = prepared.clone();
             alone.checks = vec![PreparedCheck { question, ..check.clone() }];
-            let files = match export(&alone, Format::TChecker) {
+            let files = match export(
+                &alone,
+                &|component, src| system.place(component, src),
+                Format::TChecker,
+            ) {
                 Ok(files) => files,
                 Err(refusals) => {
                     let refusals: Vec<String> = refusals.iter().map(ToString::to_string).collect();

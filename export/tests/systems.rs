@@ -4,6 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use dotgen_analysis::host::{AnalysisHost, BatchInput, Input, UnitResult};
+use dotgen_analysis::model::Src;
+use dotgen_analysis::source_map::Locations;
 use dotgen_loaders::Disk;
 use dotgen_timing::report::Report;
 use dotgen_timing::scn::ast::{Item, Scenario};
@@ -40,6 +42,14 @@ impl System {
 
     pub(crate) fn prepared(&self, options: &Options) -> Prepared {
         prepare(&self.input(), &self.scenario, options)
+    }
+
+    /// Returns the place of a declaration, as `FILE:LINE`.
+    pub(crate) fn place(&self, _component: usize, src: Src) -> Option<String> {
+        let at = self.unit.locations.locate(src)?;
+        let text = std::fs::read_to_string(&at.path).ok()?;
+        let line = 1 + text[..at.range.start].matches('\n').count();
+        Some(format!("{}:{line}", at.path.file_name()?))
     }
 
     /// Returns the answers of the verifier.

@@ -29,7 +29,7 @@ pub(super) struct Checks<'c> {
 
 /// A check.
 struct Entry<'c> {
-    /// Name of the check, or its kind and subject.
+    /// Kind and subject, after the name if the check has one.
     name: String,
     /// Name of its location.
     goal: String,
@@ -49,7 +49,7 @@ impl<'c> Checks<'c> {
         for (index, check) in prepared.checks.iter().enumerate() {
             let PreparedCheck { report, question } = check;
             let words = format!("{} {}", report.kind, report.of);
-            let name = report.name.clone().unwrap_or(words);
+            let name = report.name.as_ref().map(|name| format!("{name}: {words}")).unwrap_or(words);
             let goal = format!("check_{}_{}", index + 1, identifier(report.kind.word()));
             let mut parts: Vec<&Predicate> = Vec::new();
             match question {

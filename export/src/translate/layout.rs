@@ -7,6 +7,7 @@ use dotgen_timing::system::{
 };
 use dotgen_timing::verify::Prepared;
 
+use super::Place;
 use crate::model::{Guard, Term, all, any, var};
 
 /// Values of the status of an activity.
@@ -44,6 +45,7 @@ pub(super) mod tracked {
 /// The names of the parts of a system.
 pub(super) struct Layout<'s> {
     pub(super) system: &'s TimedSystem,
+    place: &'s Place<'s>,
     pub(super) parts: Vec<Part>,
     /// By codel, the name of its executor.
     executors: Vec<Option<String>>,
@@ -99,7 +101,7 @@ pub(super) struct Kind {
 }
 
 impl<'s> Layout<'s> {
-    pub(super) fn new(prepared: &'s Prepared) -> Layout<'s> {
+    pub(super) fn new(prepared: &'s Prepared, place: &'s Place<'s>) -> Layout<'s> {
         let system = &prepared.built.system;
         let mut parts = Vec::new();
         let mut offset = 0;
@@ -108,7 +110,7 @@ impl<'s> Layout<'s> {
             offset += part.size;
             parts.push(part);
         }
-        let mut out = Layout { system, parts, executors: vec![None; system.codels.len()] };
+        let mut out = Layout { system, place, parts, executors: vec![None; system.codels.len()] };
         for part in &out.parts {
             for kind in &part.kinds {
                 let machine = kind.automaton.map(|automaton| system.machine_of(automaton));
@@ -126,6 +128,21 @@ impl<'s> Layout<'s> {
             part.queue = waits;
         }
         out
+    }
+
+    /// Returns the name of a codel, with the place of its declaration.
+    pub(super) fn codel_in_words(&self, codel: CodelId) -> String {
+        let codel = &self.system.codels[codel];
+        let place = codel.site.zip(codel.src);
+        let place = place.and_then(|((component, _), src)| (self.place)(component, src));
+        with_place(&codel.path, place)
+    }
+
+    /// Returns the name of a task, with the place of its declaration.
+    pub(super) fn task_in_words(&self, task: TaskId) -> String {
+        let place = self.system.tasks[task].src;
+        let place = place.and_then(|(component, src)| (self.place)(component, src));
+        with_place(&self.system.task_path(task), place)
     }
 
     /// Returns true if codels of a component can wait for others.
@@ -354,4 +371,11 @@ pub(super) fn identifier(name: &str) -> String {
 /// Returns an upper bound in words.
 pub(super) fn bound(upper: Option<i64>) -> String {
     upper.map_or("any time".to_owned(), |upper| upper.to_string())
+}
+
+fn with_place(name: &str, place: Option<String>) -> String {
+    match place {
+        Some(place) => format!("{name} ({place})"),
+        None => name.to_owned(),
+    }
 }

@@ -143,7 +143,8 @@ impl Writer<'_> {
             self.out.location(&ticket, LocationKind::Urgent, "before it takes a ticket");
             let kind = if part.queue { LocationKind::Normal } else { LocationKind::Urgent };
             self.out.location(&queued, kind, "waits until its codel may begin");
-            let comment = format!("{}: from {} to {}", codel.path, codel.lower, bound(upper));
+            let words = layout.codel_in_words(id);
+            let comment = format!("{words}: from {} to {}", codel.lower, bound(upper));
             self.out.bounded(&executes, &clock, upper, comment);
             let take = Edge::new(&ticket, &queued, "takes a ticket").sends("step");
             self.out.edge(take.with(part.push(executor)));

@@ -1,6 +1,6 @@
 //! The process of a task: its cycles, with their passes over the places of activities.
 
-use dotgen_timing::system::{FOREVER, State, Yield};
+use dotgen_timing::system::{FOREVER, Machine, State, Yield};
 
 use crate::model::{Edge, Guard, LocationKind, Process, Relation, Term, Update, all, any, var};
 
@@ -19,9 +19,10 @@ struct Writer<'w> {
 /// Returns the process of a task.
 pub(super) fn process(layout: &Layout, part: &Part, task: &TaskPart, checks: &Checks) -> Process {
     let name = format!("task_{}", task.name);
+    let words = layout.task_in_words(task.id);
     let comment = match task.period {
-        Some(period) => format!("task {} of {}, period {period}", task.name, part.name),
-        None => format!("task {} of {}, aperiodic", task.name, part.name),
+        Some(period) => format!("task {words}, period {period}"),
+        None => format!("task {words}, aperiodic"),
     };
     let out = Process::new(&name, comment);
     let mut writer = Writer { layout, part, task, checks, out };
@@ -293,6 +294,11 @@ impl<'w> Writer<'w> {
                 let wants = wanted(&self.task.name).set(number(state.codel));
                 self.out.edge(edge.sends("step").with([wants]));
             }
+            let machine = self.layout.machine(kind);
+            let has_stop = |machine: &Machine| machine.stop.is_some() || !part.activities;
+            if machine.is_some_and(has_stop) {
+                continue;
+            }
             let comment = format!("{} has no codel for its state: it ends", kind.name);
             let edge = edge("proceeds", &comment).when(of_kind);
             let edge = edge.when(part.state(at.clone()).at_least(states.len()));
@@ -314,7 +320,8 @@ impl<'w> Writer<'w> {
             let codel = &self.layout.system.codels[state.codel];
             let upper = (codel.upper != FOREVER).then_some(i64::from(codel.upper));
             let clock = self.task.clock();
-            let comment = format!("{}: from {} to {}", codel.path, codel.lower, bound(upper));
+            let words = self.layout.codel_in_words(state.codel);
+            let comment = format!("{words}: from {} to {}", codel.lower, bound(upper));
             self.out.bounded(&location, &clock, upper, comment);
             let begin = Edge::new("queued", &location, format!("begins {}", codel.path));
             let wants = wanted(&self.task.name);
