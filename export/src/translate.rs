@@ -22,7 +22,6 @@ mod task;
 mod timer;
 
 use dotgen_analysis::model::Src;
-use dotgen_timing::report::TimeUnit;
 use dotgen_timing::verify::Prepared;
 
 use crate::model::Network;
@@ -72,8 +71,7 @@ pub fn translate(prepared: &Prepared, place: &Place) -> Result<Network, Vec<Refu
 
 fn header(prepared: &Prepared) -> Vec<String> {
     let system = &prepared.built.system;
-    let unit = TimeUnit::default();
-    let base = unit.show(unit.from_seconds(system.unit));
+    let base = layout::in_words(system.unit, 1);
     let cores = match system.platform.cores {
         None => "no limit on cores".to_owned(),
         Some(count) => format!("cores {count}, policy {:?}", system.platform.policy).to_lowercase(),

@@ -4,7 +4,7 @@ use dotgen_timing::system::{ClientAction, ClientId, FOREVER};
 
 use crate::model::{Edge, Guard, LocationKind, Process, Relation, Update, any};
 
-use super::layout::{Layout, bound, tracked};
+use super::layout::{Layout, tracked};
 
 /// Returns the process of a client. A location is a step; the last one has no edges.
 pub(super) fn process(layout: &Layout, id: ClientId) -> Process {
@@ -35,9 +35,9 @@ pub(super) fn process(layout: &Layout, id: ClientId) -> Process {
                 out.location(&here, LocationKind::Normal, comment);
             }
             ClientAction::Delay(lower, upper) => {
-                let upper = (upper != FOREVER).then_some(i64::from(upper));
-                let comment = format!("lets time pass: from {lower} to {}", bound(upper));
-                out.bounded(&here, &clock, upper, comment);
+                let comment = format!("lets time pass: {}", layout.interval(lower, upper));
+                let most = (upper != FOREVER).then_some(i64::from(upper));
+                out.bounded(&here, &clock, most, comment);
             }
             _ => out.location(&here, LocationKind::Normal, "waits"),
         }

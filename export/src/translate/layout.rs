@@ -1,9 +1,11 @@
 //! The integers and clocks of a network, and their names.
 
+use dotgen_analysis::model::Seconds;
+use dotgen_timing::report::TimeUnit;
 use dotgen_timing::system::indexed::Built;
 use dotgen_timing::system::{
-    AutomatonId, ClientAction, ClientId, CodelId, ComponentId, Machine, Policy, ServiceId, TaskId,
-    TimedSystem,
+    AutomatonId, ClientAction, ClientId, CodelId, ComponentId, FOREVER, Machine, Policy, ServiceId,
+    TaskId, Ticks, TimedSystem,
 };
 use dotgen_timing::verify::Prepared;
 
@@ -128,6 +130,20 @@ impl<'s> Layout<'s> {
             part.queue = waits;
         }
         out
+    }
+
+    /// Returns a number of base units as a time in words.
+    pub(super) fn time(&self, ticks: i64) -> String {
+        in_words(self.system.unit, ticks)
+    }
+
+    /// Returns the times between two bounds in words.
+    pub(super) fn interval(&self, lower: Ticks, upper: Ticks) -> String {
+        let lower = self.time(i64::from(lower));
+        if upper == FOREVER {
+            return format!("at least {lower}");
+        }
+        format!("{lower} to {}", self.time(i64::from(upper)))
     }
 
     /// Returns the name of a codel, with the place of its declaration.
@@ -368,9 +384,10 @@ pub(super) fn identifier(name: &str) -> String {
     }
 }
 
-/// Returns an upper bound in words.
-pub(super) fn bound(upper: Option<i64>) -> String {
-    upper.map_or("any time".to_owned(), |upper| upper.to_string())
+/// Returns a number of base units, of that many seconds each, as a time in words.
+pub(super) fn in_words(base: Seconds, ticks: i64) -> String {
+    let unit = TimeUnit::default();
+    unit.show(unit.from_seconds(base * Seconds::from_integer(i128::from(ticks))))
 }
 
 fn with_place(name: &str, place: Option<String>) -> String {

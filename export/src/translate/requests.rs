@@ -5,7 +5,7 @@ use dotgen_timing::system::{CodelId, FOREVER, ServiceId};
 use crate::model::{Edge, Guard, LocationKind, Process, Relation, Term, Update, all, any};
 
 use super::activities::{examine, free, interrupted, mark};
-use super::layout::{Layout, Part, bound, number, status, step, tracked, wanted};
+use super::layout::{Layout, Part, number, status, step, tracked, wanted};
 
 /// Adds the handling of every requested service to the process of a control task.
 pub(super) fn add(layout: &Layout, part: &Part, out: &mut Process) {
@@ -144,7 +144,7 @@ impl Writer<'_> {
             let kind = if part.queue { LocationKind::Normal } else { LocationKind::Urgent };
             self.out.location(&queued, kind, "waits until its codel may begin");
             let words = layout.codel_in_words(id);
-            let comment = format!("{words}: from {} to {}", codel.lower, bound(upper));
+            let comment = format!("{words}: {}", layout.interval(codel.lower, codel.upper));
             self.out.bounded(&executes, &clock, upper, comment);
             let take = Edge::new(&ticket, &queued, "takes a ticket").sends("step");
             self.out.edge(take.with(part.push(executor)));

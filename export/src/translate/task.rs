@@ -5,7 +5,7 @@ use dotgen_timing::system::{FOREVER, Machine, State, Yield};
 use crate::model::{Edge, Guard, LocationKind, Process, Relation, Term, Update, all, any, var};
 
 use super::checks::Checks;
-use super::layout::{Kind, Layout, Part, TaskPart, bound, number, position, status, step, wanted};
+use super::layout::{Kind, Layout, Part, TaskPart, number, position, status, step, wanted};
 
 /// Writes the process of one task.
 struct Writer<'w> {
@@ -21,7 +21,7 @@ pub(super) fn process(layout: &Layout, part: &Part, task: &TaskPart, checks: &Ch
     let name = format!("task_{}", task.name);
     let words = layout.task_in_words(task.id);
     let comment = match task.period {
-        Some(period) => format!("task {words}, period {period}"),
+        Some(period) => format!("task {words}, period {}", layout.time(period)),
         None => format!("task {words}, aperiodic"),
     };
     let out = Process::new(&name, comment);
@@ -321,7 +321,7 @@ impl<'w> Writer<'w> {
             let upper = (codel.upper != FOREVER).then_some(i64::from(codel.upper));
             let clock = self.task.clock();
             let words = self.layout.codel_in_words(state.codel);
-            let comment = format!("{words}: from {} to {}", codel.lower, bound(upper));
+            let comment = format!("{words}: {}", self.layout.interval(codel.lower, codel.upper));
             self.out.bounded(&location, &clock, upper, comment);
             let begin = Edge::new("queued", &location, format!("begins {}", codel.path));
             let wants = wanted(&self.task.name);

@@ -12,7 +12,12 @@ pub(super) fn process(layout: &Layout, task: &TaskPart, checks: &Checks) -> Opti
     let clock = task.timer();
     let mut out = Process::new(
         &format!("timer_{}", task.name),
-        format!("the ticks of {}: period {period}, delay {delay}", layout.task_in_words(task.id)),
+        format!(
+            "the ticks of {}: period {}, delay {}",
+            layout.task_in_words(task.id),
+            layout.time(period),
+            layout.time(delay)
+        ),
     );
     let mut add = |name: &str, most: i64, comment: &str| {
         out.location(name, LocationKind::Normal, comment);
