@@ -42,7 +42,7 @@ pub(crate) enum Code {
         function: u32,
         arguments: Vec<Argument>,
     },
-    /// Whether a process is in a location.
+    /// Test that a process is in a location.
     At {
         process: u32,
         location: i32,

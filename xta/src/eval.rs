@@ -56,7 +56,7 @@ impl<'p> Machine<'p> {
         self.eval(code)
     }
 
-    /// Whether all conditions hold.
+    /// Reports whether all conditions hold.
     pub(crate) fn all(&mut self, codes: &[Code]) -> Result<bool, Trap> {
         for code in codes {
             if self.pure(code)? == 0 {

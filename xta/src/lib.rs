@@ -41,7 +41,7 @@ pub struct Query {
     form: ast::Form,
     /// The query as it is written.
     pub text: String,
-    /// Lines before the query, and bytes before it in its line.
+    /// The text up to the end of the query, for places of errors.
     source: String,
 }
 

@@ -22,7 +22,7 @@ enum Predicate {
     Bound(Bound),
     All(Vec<Predicate>),
     Any(Vec<Predicate>),
-    /// Whether no transition is possible, now or later.
+    /// If set, no transition is possible, now or later. If not, one is.
     Deadlock(bool),
 }
 

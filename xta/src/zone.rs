@@ -216,7 +216,7 @@ impl Zone {
     }
 }
 
-/// Whether the lower bound in a cell `(0, j)` is above a constant.
+/// Reports whether the lower bound in a cell `(0, j)` is above a constant.
 fn beyond(cell: i32, constant: i32) -> bool {
     let (value, weak) = (-(cell >> 1), cell & 1 == 1);
     // `x >= value` or `x > value`.

@@ -20,7 +20,7 @@ fn answer(model: &str, query: &str) -> Answer {
     network.answer(&queries[0], &Limits::default())
 }
 
-/// Whether a query is true.
+/// Reports whether a query is true.
 fn holds(model: &str, query: &str) -> bool {
     match answer(model, query) {
         Answer::Holds { .. } => true,

@@ -14,7 +14,7 @@ pub(crate) struct System<'n> {
     pub(crate) program: &'n Program,
     pub(crate) processes: &'n [Process],
     pub(crate) machine: Machine<'n>,
-    /// Whether channels or processes have different priorities.
+    /// Set if channels or processes have different priorities.
     pub(crate) priorities: bool,
 }
 

@@ -116,7 +116,7 @@ impl Scope<'_> {
         }
     }
 
-    /// Whether a clock occurs in an expression. Unknown names are no clocks.
+    /// Reports whether a clock occurs in an expression. Unknown names are no clocks.
     pub(crate) fn mentions_clock(&mut self, expr: &Expr) -> bool {
         let mut any = |parts: &[Expr]| parts.iter().any(|part| self.mentions_clock(part));
         match &expr.kind {

@@ -8,7 +8,7 @@ use crate::error::{Res, fail};
 use crate::lexer::Kind;
 
 impl Cursor<'_> {
-    /// Whether a type starts here.
+    /// Reports whether a type starts here.
     pub(super) fn starts_type(&self) -> bool {
         let token = self.peek();
         let word = matches!(

@@ -83,7 +83,7 @@ impl Cursor<'_> {
         self.climb(0)
     }
 
-    /// An expression that ends before `>`, `?` and other infix operators of lower precedence than `level`.
+    /// An expression whose infix operators have at least the precedence `level`.
     fn climb(&mut self, level: u8) -> Res<Expr> {
         self.nested(|cursor| {
             let mut left = cursor.unary()?;
@@ -103,7 +103,7 @@ impl Cursor<'_> {
         })
     }
 
-    /// Whether `?` ends the channel of a synchronisation, since no operand follows.
+    /// Reports whether `?` ends the channel of a synchronisation, since no operand follows.
     fn ends_sync(&self) -> bool {
         self.is("?") && matches!(self.ahead(1).text, ";" | "," | "}" | "")
     }
@@ -205,11 +205,7 @@ impl Cursor<'_> {
                 let parts = left.depth.max(index.depth);
                 left = node(at, parts, ExprKind::Index(Box::new(left), Box::new(index)))?;
             } else if self.eat(".") {
-                let field = match self.peek().text {
-                    // The location of a process may have the name of a statement in another language.
-                    "location" => self.bump().text.to_owned(),
-                    _ => self.name()?.text,
-                };
+                let field = self.name()?.text;
                 left = node(at, left.depth, ExprKind::Field(Box::new(left), field))?;
             } else if self.is("++") || self.is("--") {
                 let delta = if self.bump().text == "++" { 1 } else { -1 };

@@ -39,7 +39,7 @@ fn newline(text: &str, before: Token<'_>, token: Token<'_>) -> bool {
     text.get(end..token.at as usize).is_some_and(|between| between.contains('\n'))
 }
 
-/// Whether the line of a token continues the query before: an operator stands on either side of the line end,
+/// Reports whether the line of a token continues the query before: an operator is next to the line end,
 /// or a bracket is open.
 fn continues(all: &[Token<'_>], index: usize) -> bool {
     let word = |text: &str| matches!(text, "and" | "or" | "imply" | "not");
