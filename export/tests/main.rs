@@ -2,4 +2,5 @@
 
 mod examples;
 mod outside;
+mod read_back;
 mod systems;
