@@ -469,7 +469,7 @@ pub(super) fn parsed(checks: &[&str], problem: &Problem) -> anyhow::Result<Vec<C
     let mut at = problem.text.len();
     let mut parsed = Vec::new();
     for body in checks {
-        parsed.push(check(body, at)?);
+        parsed.extend(check(body, at)?);
         at += body.len() + 1;
     }
     Ok(parsed)
@@ -482,9 +482,9 @@ pub(super) fn body(text: &str) -> &str {
 }
 
 /// Parses a check with places from `at`.
-fn check(body: &str, at: usize) -> anyhow::Result<Check> {
+fn check(body: &str, at: usize) -> anyhow::Result<Vec<Check>> {
     match parse_check(&format!("{}{body}", " ".repeat(at))) {
-        Ok(check) => Ok(check),
+        Ok(checks) => Ok(checks),
         Err(error) => {
             let at = error.range.start.min(body.len());
             let at = body.get(..at).map_or(0, |body| body.chars().count());

@@ -164,6 +164,19 @@ impl<'p> RunChecker<'p> {
                     }
                 }
             }
+            Seen::Opened { monitor } | Seen::Violated { monitor } => {
+                for check in 0..self.answers.len() {
+                    let question = &self.prepared.checks[check].question;
+                    if self.places[check] == Some(monitor)
+                        && matches!(question, Question::Pattern(_))
+                    {
+                        self.exercise(check);
+                        if matches!(*seen, Seen::Violated { .. }) {
+                            self.violate(now, check);
+                        }
+                    }
+                }
+            }
             Seen::Ended { work, .. } => self.executed(&work),
             Seen::Asked { .. }
             | Seen::Begun { .. }
@@ -209,7 +222,7 @@ impl<'p> RunChecker<'p> {
             | Question::NoOverdue(task)
             | Question::Response(task, _) => Idle::NoCodel { task },
             Question::Always(_) | Question::Deadlock => Idle::NothingExecuted,
-            Question::Within(..) | Question::LeadsTo(..) => Idle::NoTrigger,
+            Question::Within(..) | Question::LeadsTo(..) | Question::Pattern(_) => Idle::NoTrigger,
             Question::Eventually(_) | Question::Reachable(_) => Idle::NotSeen,
         })
     }

@@ -141,7 +141,10 @@ impl Tally {
             }
             Seen::Missed { task } => self.tasks[task].missed += 1,
             Seen::Overdue { task } => self.tasks[task].overdue += 1,
-            Seen::Reached { .. } | Seen::Answered { .. } => {}
+            Seen::Reached { .. }
+            | Seen::Answered { .. }
+            | Seen::Opened { .. }
+            | Seen::Violated { .. } => {}
         }
     }
 

@@ -7,6 +7,7 @@ use dotgen_runtime::decide::Durations;
 use dotgen_runtime::engine::End;
 use dotgen_runtime::simulation::{Plan, simulate};
 use dotgen_timing::explore::Limits;
+use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::{Value, Verdict};
 use dotgen_timing::scn::parse;
 use dotgen_timing::verify::{Cancel, Options, Question, SystemInput, prepare, verify};
@@ -26,11 +27,7 @@ fn with_measure(texts: &mut random::Texts) -> Option<()> {
 }
 
 /// Returns the number of checks compared; `None` if the system is invalid or too large.
-fn compare(seed: u64, measured: bool) -> Option<usize> {
-    let mut texts = random::texts(&mut systems::Dice::new(seed));
-    if measured {
-        with_measure(&mut texts)?;
-    }
+fn compare(seed: u64, texts: &random::Texts) -> Option<usize> {
     let units = load(&texts.specifications)?;
     let input = SystemInput { specs: units.iter().map(|unit| &*unit.spec).collect() };
     let shown = || format!("seed {seed}\n{}\n{}", texts.specifications.join("\n"), texts.scenario);
@@ -74,8 +71,10 @@ fn compare(seed: u64, measured: bool) -> Option<usize> {
                     }
                 }
                 _ => {
-                    let contradicts =
-                        answer.verdict == Held::Violated && check.verdict == Verdict::Proved;
+                    let contradicts = answer.verdict == Held::Violated && check.verdict.holds();
+                    let violated =
+                        answer.verdict == Held::Violated && check.kind == PropertyKind::Pattern;
+                    VIOLATED.fetch_add(u64::from(violated), Ordering::Relaxed);
                     assert!(!contradicts, "{}", about());
                 }
             }
@@ -92,11 +91,16 @@ fn systems_to_compare() -> u64 {
 /// Number of measures that runs have taken.
 static TAKEN: AtomicU64 = AtomicU64::new(0);
 
-fn compare_all(systems: u64, measured: bool) {
+/// Number of patterns that runs have violated.
+static VIOLATED: AtomicU64 = AtomicU64::new(0);
+
+fn compare_all(systems: u64, draw: fn(&mut systems::Dice) -> Option<random::Texts>) {
     let mut compared = 0;
     let mut seed = 0;
     while compared < systems {
-        compared += u64::from(compare(seed, measured).is_some_and(|index| index > 0));
+        let texts = draw(&mut systems::Dice::new(seed));
+        let checks = texts.and_then(|texts| compare(seed, &texts));
+        compared += u64::from(checks.is_some_and(|checks| checks > 0));
         seed += 1;
         assert!(seed < 40 * systems + 100, "few systems are legal and small");
     }
@@ -104,12 +108,22 @@ fn compare_all(systems: u64, measured: bool) {
 
 #[test]
 fn nothing_is_seen_that_verification_excludes() {
-    compare_all(systems_to_compare(), false);
+    compare_all(systems_to_compare(), |dice| Some(random::texts(dice)));
+}
+
+#[test]
+fn no_pattern_is_violated_that_is_proved() {
+    compare_all(systems_to_compare() / 2, |dice| Some(random::patterned(dice)));
+    assert!(VIOLATED.load(Ordering::Relaxed) > 0, "no pattern was violated");
 }
 
 #[test]
 fn no_measure_takes_longer_than_verified() {
-    compare_all(systems_to_compare() / 2, true);
+    compare_all(systems_to_compare() / 2, |dice| {
+        let mut texts = random::texts(dice);
+        with_measure(&mut texts)?;
+        Some(texts)
+    });
     assert!(TAKEN.load(Ordering::Relaxed) > 0, "no measure was taken");
 }
 

@@ -54,10 +54,8 @@ impl Recorder {
 
     /// Returns the bounds that verification proves.
     fn proved(&self, prepared: &Prepared) -> Vec<Option<Ticks>> {
-        let options = Options {
-            checks: vec![parse_check("response *").expect("a check")],
-            ..Options::default()
-        };
+        let options =
+            Options { checks: parse_check("response *").expect("a check"), ..Options::default() };
         let scenario = parse(&self.scenario).scenario;
         let report = verify(&self.input(), &scenario, &options, &Cancel::default());
         let mut bounds = vec![None; prepared.built.system.tasks.len()];

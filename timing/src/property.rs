@@ -1,8 +1,10 @@
 //! The properties that can be checked of a system.
 
 mod kind;
+pub(crate) mod monitor;
 pub mod predicate;
 pub(crate) mod resolve;
 
 pub use kind::PropertyKind;
+pub use monitor::Monitor;
 pub use predicate::{Atom, Predicate, SlotStatus, StatePhase, TaskState};

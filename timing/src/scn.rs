@@ -15,10 +15,12 @@ pub mod lexer;
 pub mod names;
 pub mod outline;
 mod parser;
+mod pattern;
 pub mod requests;
 pub mod selection;
 pub mod semantics;
 pub mod times;
+mod values;
 pub mod words;
 
 pub use default::{Platform, default_text, default_text_on};

@@ -416,7 +416,7 @@ impl Group<'_> {
             let seen = match checks[i].what {
                 What::Schedulable(_) => found.missed[place].is_some(),
                 What::NoOverdue(_) => found.overdue[place].is_some(),
-                What::Always(_) | What::Reachable(_) => {
+                What::Always(_) | What::Reachable(_) | What::Pattern(_) => {
                     found.reached[place].is_some() || found.never[place]
                 }
                 What::Deadlock => found.no_deadlock,

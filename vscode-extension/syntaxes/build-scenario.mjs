@@ -80,9 +80,9 @@ r.items = {
       ...include('numbers', 'path'),
     ]),
     statement(re`\b(check)\b(?:\s+(${ID})\s*(:))?`, ['keyword.control.check', 'entity.name.label', 'punctuation.separator.label'], [
-      token('support.function.check', re`\b(?:schedulable|response|within|reaction|age|leadsto|eventually|always|never|reachable|deadlock)\b(?!\s*\.)|\bno-overdue\b`),
-      token('keyword.operator.word', re`\b(?:and|or|not|leave|then|via)\b(?!\s*\.)`),
-      token('keyword.operator', '=>|->|<='),
+      token('support.function.check', re`\b(?:schedulable|response|within|reaction|age|leadsto|eventually|always|never|reachable|deadlock|absent|lasts|precedes|before|after|between)\b(?!\s*\.)|\bno-overdue\b`),
+      token('keyword.operator.word', re`\b(?:and|or|not|leave|then|via|in|for|until)\b(?!\s*\.)`),
+      token('keyword.operator', '=>|->|<=|>='),
       ...include('numbers', 'path'),
     ]),
   ],

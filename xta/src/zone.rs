@@ -128,7 +128,7 @@ impl Zone {
         self.cells.iter().zip(&other.cells).all(|(large, small)| large >= small)
     }
 
-    /// The parts of the zone in which not all constraints hold, as constraints to add. The parts are disjoint.
+    /// The parts of the zone in which not all constraints hold, as constraints to add. They are disjoint.
     pub(crate) fn without(&self, constraints: &[Constraint]) -> Vec<Vec<Constraint>> {
         let mut rest = self.clone();
         let mut before = Vec::new();

@@ -115,14 +115,11 @@ impl BoundVerification {
         states: usize,
         cancel: &Cancel,
     ) {
-        let Ok(check) = parse_check("response *") else {
+        let Ok(checks) = parse_check("response *") else {
             return;
         };
-        let options = Options {
-            checks: vec![check],
-            limits: Limits { states, ..options.limits },
-            ..options.clone()
-        };
+        let options =
+            Options { checks, limits: Limits { states, ..options.limits }, ..options.clone() };
         let report = problem.verify(&options, cancel, &|_| {});
         let mut answers = Answers::default();
         for check in &report.checks {

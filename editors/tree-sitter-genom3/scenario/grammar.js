@@ -30,6 +30,11 @@ const CHECKS = [
   'never',
   'reachable',
   'deadlock',
+  'absent',
+  'lasts',
+  'before',
+  'after',
+  'between',
 ];
 const STEPS = ['send', 'await', 'delay', 'repeat', 'choice', 'abort', 'kill', 'connect', 'stop'];
 
@@ -150,8 +155,10 @@ module.exports = grammar({
             field('trigger', $._predicate),
             '=>',
             field('response', $._predicate),
-            repeat(seq('then', field('response', $._predicate))),
-            optional($.bound),
+            choice(
+              seq(repeat(seq('then', field('response', $._predicate))), optional($.bound)),
+              seq('in', field('value', $._times), field('unit', $.unit)),
+            ),
           ),
           seq(
             field('kind', choice('reaction', 'age')),
@@ -164,15 +171,25 @@ module.exports = grammar({
           seq(field('kind', 'leadsto'), field('trigger', $._predicate), '=>', field('response', $._predicate)),
           seq(field('kind', choice('eventually', 'always', 'never', 'reachable')), field('predicate', $._formula)),
           field('kind', 'deadlock'),
+          seq(field('kind', 'absent'), field('predicate', $._predicate), 'after', field('trigger', $._predicate), 'for', $._time),
+          seq(field('kind', 'lasts'), field('predicate', $._predicate), choice($.bound, seq('>=', $._time))),
+          seq(field('trigger', $._predicate), field('kind', 'precedes'), field('predicate', $._predicate)),
+          seq(field('kind', 'before'), field('end', $._predicate), $._claim),
+          seq(field('kind', 'after'), field('trigger', $._predicate), optional(seq('until', field('end', $._predicate))), $._claim),
+          seq(field('kind', 'between'), field('trigger', $._factor), 'and', field('end', $._factor), $._claim),
         ),
         ';',
       ),
     _check_name: ($) => choice($.identifier, ...CHECKS.map((word) => alias(word, $.identifier))),
-    bound: ($) => seq('<=', field('value', $.number), field('unit', $.unit)),
+    bound: ($) => seq('<=', $._time),
+    _time: ($) => seq(field('value', $.number), field('unit', $.unit)),
+    _claim: ($) =>
+      seq(field('claim', alias(choice('never', 'always', 'eventually'), $.claim)), field('predicate', $._formula)),
 
     _formula: ($) => choice($._predicate, $.implies),
     implies: ($) => seq(field('left', $._predicate), '=>', field('right', $._formula)),
-    _predicate: ($) => choice($.or, $.and, $.not, $.leave, $.parentheses, $.path),
+    _predicate: ($) => choice($.or, $.and, $._factor),
+    _factor: ($) => choice($.not, $.leave, $.parentheses, $.path),
     or: ($) => prec.left(1, seq(field('left', $._predicate), 'or', field('right', $._predicate))),
     and: ($) => prec.left(2, seq(field('left', $._predicate), 'and', field('right', $._predicate))),
     not: ($) => prec(3, seq('not', field('operand', $._predicate))),

@@ -58,7 +58,10 @@ impl<'c> Checks<'c> {
                     refusals.push(Refusal::new("within … => … => …", Some(name.clone())));
                 }
                 Question::Always(p) | Question::Reachable(p) => parts.push(p),
-                Question::LeadsTo(..) | Question::Eventually(_) | Question::Deadlock => {
+                Question::LeadsTo(..)
+                | Question::Eventually(_)
+                | Question::Pattern(_)
+                | Question::Deadlock => {
                     refusals.push(Refusal::new(report.kind.word(), Some(name.clone())));
                 }
                 Question::Schedulable(_) | Question::NoOverdue(_) | Question::Response(..) => {}

@@ -86,6 +86,8 @@ pub(super) fn atom(layout: &Layout, atom: &Atom) -> Guard {
             any(codels.map(|&codel| in_phase(layout, codel, *phase)))
         }
         Atom::ControlBusy(component) => layout.part(*component).step().is_not(step::READY),
+        // Refused before.
+        Atom::Tick(_) | Atom::Violated(_) => any([]),
         Atom::Client(client, steps) => {
             let at = layout.client_step(*client);
             any(steps.iter().map(|&step| at.clone().is(step)))

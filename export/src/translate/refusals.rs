@@ -88,10 +88,15 @@ pub(super) fn of_system(prepared: &Prepared) -> Vec<Refusal> {
 
 /// Returns the refusal of an atom that has no variable in the network.
 pub(super) fn of_atom(prepared: &Prepared, atom: &Atom, check: &str) -> Option<Refusal> {
-    let Atom::ControlBusy(component) = atom else {
-        return None;
-    };
     let system = &prepared.built.system;
+    let component = match atom {
+        Atom::ControlBusy(component) => component,
+        Atom::Tick(task) => {
+            let tick = format!("{}.tick", system.task_path(*task));
+            return Some(Refusal::new(&tick, Some(check.to_owned())));
+        }
+        _ => return None,
+    };
     let mut steps = system.clients.iter().flat_map(|client| &client.steps);
     let requested = steps.any(|step| {
         let service = step.requests();

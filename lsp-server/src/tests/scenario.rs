@@ -92,12 +92,12 @@ async fn completion_knows_the_place() {
         (
             "scenario a { use \"pump.gen\"; check $0",
             "schedulable no-overdue response within reaction age leadsto eventually always never reachable \
-                deadlock",
+                deadlock absent lasts before after between",
         ),
         (
             "scenario a { use \"pump.gen\"; check x: $0 }",
             "schedulable no-overdue response within reaction age leadsto eventually always never reachable \
-                deadlock",
+                deadlock absent lasts before after between",
         ),
         ("scenario a { use \"pump.gen\"; check schedulable $0; }", "* pump.t"),
         ("scenario a { use \"pump.gen\"; check response pump.$0", "pump.t"),
@@ -130,9 +130,15 @@ async fn completion_knows_the_place() {
         ("scenario a { use \"pump.gen\"; client c { x: send pump.drain; } check always c.$0", "x"),
         (
             "scenario a { use \"pump.gen\"; check always pump.t.$0",
-            "start main idle waiting running",
+            "start main idle waiting running tick",
         ),
         ("scenario a { use \"pump.gen\"; check always pump.t $0", "and or"),
+        (
+            "scenario a { use \"pump.gen\"; check absent pump.t after pump.drain $0",
+            "and or after for",
+        ),
+        ("scenario a { use \"pump.gen\"; check within pump => pump.t $0", "and or then in"),
+        ("scenario a { use \"pump.gen\"; check pump.t $0", "and or precedes"),
         ("scenario a { // $0", ""),
         ("scenario a { cores 2; // policy\n  cores 3$0", ""),
     ] {

@@ -3,6 +3,7 @@
 use typed_index_collections::{TiVec, ti_vec};
 
 use super::findings::{Findings, Measured};
+use super::observe::Observers;
 use super::rules::{Rules, SystemRules};
 use super::run::Run;
 use super::spans::{ChainSpans, Spent, Subject, work_of};
@@ -53,7 +54,11 @@ fn spans<R: Rules>(rules: &R, chain: &Chain, measured: &Measured) -> ChainSpans 
     let clock = |s: &State| tracked.frame().observer_clock(s, 0);
     let age = |s: &State| clock(s).map_or(0, |clock| u64::from(s.t[clock]));
     let of_run = |run: &Run, age: &dyn Fn(&State) -> u64| {
-        if run.left_out { Vec::new() } else { run.spans(&tracked, &[], age, &spent) }
+        if run.left_out {
+            Vec::new()
+        } else {
+            run.spans(&tracked, &Observers::default(), age, &spent)
+        }
     };
     let longest = &measured.longest.run;
     let length = longest.length_of_cycle();

@@ -135,6 +135,7 @@ impl<'f> Follower<'f> {
         let watched = Watched {
             reach: watch.reach.clone(),
             within: within.map(|of| (of.trigger.clone(), of.responses.clone())).collect(),
+            monitors: watch.monitors.clone(),
         };
         let stepper = Stepper::new(system, &watched);
         Follower {

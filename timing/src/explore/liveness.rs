@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use rustc_hash::FxHashMap;
 
-use super::observe::{self, Observer};
+use super::observe::{self, Observer, Observers};
 use super::rules::{Action, Enabled, Rules, SystemRules};
 use super::run::Run;
 use super::state::{Clocks, Stages, State};
@@ -62,10 +62,11 @@ fn decide<R: Rules>(rules: &R, query: &LivenessQuery, limits: Limits, cancel: &C
             Box::new(Predicate::Not(Box::new(query.response.clone()))),
         )
     };
-    let observers = [Observer {
+    let responses = vec![Observer {
         trigger: query.trigger.clone().unwrap_or_else(always),
         responses: vec![query.response.clone()],
     }];
+    let observers = Observers { responses, monitors: Vec::new() };
     Graph { rules, observers, once: query.trigger.is_none(), limits, cancel }.search()
 }
 
@@ -74,7 +75,7 @@ const STEPS_PER_POLL: usize = 64;
 
 struct Graph<'a, R> {
     rules: R,
-    observers: [Observer; 1],
+    observers: Observers,
     /// Nothing matters after the first answer.
     once: bool,
     limits: Limits,
@@ -102,7 +103,7 @@ impl<R: Rules> Graph<'_, R> {
         let mut successors: Vec<Vec<u32>> = Vec::new();
         let mut initial = self.rules.initial();
         observe::observe(&self.rules, &self.observers, None, &mut initial);
-        let trigger = &self.observers[0].trigger;
+        let trigger = &self.observers.responses[0].trigger;
         let mut triggered = observe::predicate(&self.rules, None, &initial, trigger);
         let mut first = Encoded::default();
         encode(self.rules.frame(), &initial, &mut first);

@@ -35,7 +35,9 @@ impl NeverObserved {
                 jobs.push(TaskWithoutJob { task, start_up });
             }
         }
-        NeverObserved { jobs, ..NeverObserved::of_predicates(&watch.reach, orbits) }
+        let monitored = watch.monitors.iter().flat_map(|monitor| &monitor.predicates);
+        let predicates: Vec<Predicate> = watch.reach.iter().chain(monitored).cloned().collect();
+        NeverObserved { jobs, ..NeverObserved::of_predicates(&predicates, orbits) }
     }
 
     /// Returns the atoms of predicates.

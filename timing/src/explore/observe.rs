@@ -1,8 +1,8 @@
-//! Evaluation of predicates on states, and observers of bounded response.
+//! Evaluation of predicates on states, observers of bounded response, and monitors of patterns.
 
 use super::rules::Rules;
 use super::state::State;
-use crate::property::Predicate;
+use crate::property::{Monitor, Predicate, monitor};
 use crate::system::Ticks;
 
 /// An observer: whenever `trigger` becomes true, the `responses` are awaited in order. Each may hold at the
@@ -12,6 +12,31 @@ pub(crate) struct Observer {
     pub(crate) trigger: Predicate,
     /// At least one response.
     pub(crate) responses: Vec<Predicate>,
+}
+
+/// What is observed along runs.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Observers {
+    pub(crate) responses: Vec<Observer>,
+    pub(crate) monitors: Vec<Monitor>,
+}
+
+impl Observers {
+    /// Returns the observers of a list of predicates, each with its responses.
+    pub(crate) fn of<'p>(
+        within: impl Iterator<Item = (&'p Predicate, &'p [Predicate])>,
+        monitors: &[Monitor],
+    ) -> Observers {
+        let responses = within.map(|(trigger, responses)| Observer {
+            trigger: trigger.clone(),
+            responses: responses.to_vec(),
+        });
+        Observers { responses: responses.collect(), monitors: monitors.to_vec() }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.responses.is_empty() && self.monitors.is_empty()
+    }
 }
 
 /// Evaluates a predicate in a state entered from `before` (`None`: the initial state).
@@ -29,31 +54,34 @@ pub(crate) fn predicate<R: Rules>(
     }
 }
 
-/// Opens and closes the obligations of observers after a step.
+/// Opens and closes the obligations of observers after a step, and moves the monitors.
 pub(crate) fn observe<R: Rules>(
     rules: &R,
-    observers: &[Observer],
+    observers: &Observers,
     before: Option<&State>,
     now: &mut State,
 ) {
     observe_with_reports(rules, observers, before, now, |_, _| {});
 }
 
-/// Opens and closes the obligations of observers after a step. `met` gets the observer of each obligation
-/// that is met, and the time for which the obligation was open.
+/// The same. `met` gets the observer of each obligation that is met, and the time for which the obligation
+/// was open.
 ///
 /// Among obligations at the same stage, only the oldest is kept: the event that meets it meets the others as
 /// well. An obligation at a later stage is older than one at an earlier stage, because the event that
 /// advanced it would have advanced the younger one, too.
 pub(crate) fn observe_with_reports<R: Rules>(
     rules: &R,
-    observers: &[Observer],
+    observers: &Observers,
     before: Option<&State>,
     now: &mut State,
     mut met: impl FnMut(usize, Ticks),
 ) {
     let l = rules.frame();
-    for (i, observer) in observers.iter().enumerate() {
+    for (i, monitor) in observers.monitors.iter().enumerate() {
+        move_monitor(rules, (i, monitor), before, now);
+    }
+    for (i, observer) in observers.responses.iter().enumerate() {
         let stages = l.stages(i);
         // Age of the obligation that enters the stage.
         let mut coming = None;
@@ -85,5 +113,29 @@ pub(crate) fn observe_with_reports<R: Rules>(
         if let Some(age) = coming {
             met(i, age);
         }
+    }
+}
+
+/// Moves a monitor after a step.
+fn move_monitor<R: Rules>(
+    rules: &R,
+    (number, monitor): (usize, &Monitor),
+    before: Option<&State>,
+    now: &mut State,
+) {
+    let l = rules.frame();
+    let location = l.monitor(now, number);
+    let clock = l.monitor_clock(number);
+    let mut left = clock.map_or(0, |clock| now.t[clock]);
+    let first = &monitor.predicates[0];
+    let rises = predicate(rules, before, now, first)
+        && !before.is_some_and(|before| first.eval_still(&|a| rules.atom(before, a)));
+    let holds = |index: usize| predicate(rules, before, now, &monitor.predicates[index]);
+    let next = monitor.next(location, rises, &mut left, holds);
+    // What is violated watches nothing more.
+    let left = if next == monitor::VIOLATED { 0 } else { left };
+    l.set_monitor(now, number, next);
+    if let Some(clock) = clock {
+        now.t[clock] = left;
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use super::observe::{self, Observer};
+use super::observe::{self, Observers};
 use super::rules::Moment;
 use super::rules::{Action, Enabled, Rules, SystemRules};
 use super::state::State;
@@ -47,7 +47,7 @@ impl Run {
     pub(in crate::explore) fn repetition<R: Rules>(
         &self,
         rules: &R,
-        (observers, recent): (&[Observer], Ticks),
+        (observers, recent): (&Observers, Ticks),
         age: &dyn Fn(&State) -> (Ticks, usize),
         cancel: &Cancel,
     ) -> Option<(u64, u64)> {
@@ -124,7 +124,7 @@ impl Run {
     fn replay<R: Rules>(
         &self,
         rules: &R,
-        observers: &[Observer],
+        observers: &Observers,
         mut calm: impl FnMut(u64, &State, &[u64]) -> bool,
     ) {
         let mut s = rules.initial();

@@ -3,7 +3,7 @@
 
 use std::cell::Cell;
 
-use super::observe::{self, Observer};
+use super::observe::{self, Observer, Observers};
 use super::rules::{Action, Rules, SystemRules, Work};
 use super::run::{Run, advance};
 use super::state::{Clocks, Stages, State, TaskStatus};
@@ -106,6 +106,8 @@ impl Subject {
             Atom::Handling { service, .. } => Some(Subject::Service(service)),
             Atom::ControlBusy(component) => Some(Subject::Component(component)),
             Atom::Client(client, _) => Some(Subject::Client(client)),
+            Atom::Tick(task) => Some(Subject::Job(task)),
+            Atom::Violated(_) => None,
         };
         let mut all = Vec::new();
         predicate.atoms(&mut |atom| all.push(of_atom(atom)));
@@ -185,7 +187,7 @@ impl Run {
     pub(super) fn spans<R: Rules>(
         &self,
         rules: &R,
-        observers: &[Observer],
+        observers: &Observers,
         age: &dyn Fn(&State) -> u64,
         spent: &dyn Fn(&State) -> Spent,
     ) -> Vec<Span> {
@@ -257,7 +259,9 @@ impl Run {
             let subject = open(s).and_then(|number| subjects[number]);
             subject.map_or(Spent::Nothing, |subject| subject.spends(&rules, s))
         };
-        let spans = self.spans(&rules, &[Observer { trigger, responses }], &age, &spent);
+        let responses = vec![Observer { trigger, responses }];
+        let observers = Observers { responses, monitors: Vec::new() };
+        let spans = self.spans(&rules, &observers, &age, &spent);
         (spans, last.get())
     }
 
@@ -267,7 +271,7 @@ impl Run {
         let subject = Subject::of_predicate(system, response);
         let spent = |s: &State| subject.map_or(Spent::Nothing, |subject| subject.spends(&rules, s));
         let length = self.length_of_cycle();
-        self.spans(&rules, &[], &|_| length, &spent)
+        self.spans(&rules, &Observers::default(), &|_| length, &spent)
     }
 
     /// Returns the codels that the subject of a response executes in the part that repeats for ever, also

@@ -61,6 +61,8 @@ pub(crate) struct Clocks {
     pub(crate) response: Vec<bool>,
     /// Stages, by observer.
     pub(crate) within: Vec<Stages>,
+    /// Monitors: true for those that watch for some time.
+    pub(crate) monitors: Vec<bool>,
     /// Numbers in the discrete part for the token of a chain.
     pub(crate) token: usize,
     /// Every component can be shut down from outside, and not only those that a client may kill.
@@ -79,7 +81,7 @@ pub(crate) struct Stages {
 impl Clocks {
     /// Returns the absence of clocks and observers.
     pub(crate) fn none(tasks: usize) -> Self {
-        Clocks { response: vec![false; tasks], within: Vec::new(), token: 0, ends: false }
+        Clocks { response: vec![false; tasks], ..Clocks::default() }
     }
 }
 
@@ -94,6 +96,8 @@ pub(crate) struct Frame {
     observer_base: usize,
     /// Stages of each observer, numbered consecutively.
     stages: Vec<Range<usize>>,
+    /// First place of the locations of monitors in the discrete part.
+    monitor_base: usize,
     token_base: usize,
     d_len: usize,
     window_base: usize,
@@ -103,6 +107,9 @@ pub(crate) struct Frame {
     pub(crate) response: Vec<Option<usize>>,
     /// Clock of each stage, if it has one.
     stage_clock: Vec<Option<usize>>,
+    /// The time that each monitor still watches, if it watches for some time. It counts down, so that, like
+    /// the other clocks, a greater one allows whatever a smaller one allows.
+    monitor_clock: Vec<Option<usize>>,
 }
 
 /// An allocator of places in a [`State`], which results in a [`Frame`].
@@ -143,6 +150,7 @@ impl Places {
             })
             .collect();
         let observer_base = self.discrete(count);
+        let monitor_base = self.discrete(clocks.monitors.len());
         let token_base = self.discrete(clocks.token);
         let (executors, phase_base) = self.executors;
         let window_base = self.times(2 * executors);
@@ -152,12 +160,14 @@ impl Places {
         let each = (clocks.within.iter())
             .flat_map(|stages| std::iter::repeat_n(&stages.measured, stages.count));
         let stage_clock = each.map(&mut clock).collect();
+        let monitor_clock = clocks.monitors.iter().map(&mut clock).collect();
         let first_own = self.times(own);
         let frame = Frame {
             executors,
             phase_base,
             observer_base,
             stages,
+            monitor_base,
             token_base,
             d_len: self.d,
             window_base,
@@ -165,6 +175,7 @@ impl Places {
             t_len: self.t,
             response,
             stage_clock,
+            monitor_clock,
         };
         (frame, first_own)
     }
@@ -260,6 +271,22 @@ impl Frame {
         self.token_base
     }
 
+    /// Returns the location of a monitor.
+    #[inline]
+    pub(crate) fn monitor(&self, s: &State, monitor: usize) -> u16 {
+        s.d[self.monitor_base + monitor]
+    }
+
+    pub(crate) fn set_monitor(&self, s: &mut State, monitor: usize, location: u16) {
+        s.d[self.monitor_base + monitor] = location;
+    }
+
+    /// Returns the place of the time that a monitor still watches, if it watches for some time.
+    #[inline]
+    pub(crate) fn monitor_clock(&self, monitor: usize) -> Option<usize> {
+        self.monitor_clock[monitor]
+    }
+
     /// Returns the stages of an observer, from first to last.
     #[inline]
     pub(crate) fn stages(&self, observer: usize) -> Range<usize> {
@@ -321,7 +348,8 @@ impl Frame {
         &mut s.t[self.clock_base..]
     }
 
-    /// Lets time pass in windows and in the clocks of open obligations. The rules advance response times.
+    /// Lets time pass in windows, and in the clocks of open obligations and of monitors. The rules advance
+    /// response times.
     #[inline]
     pub(crate) fn elapse(&self, s: &mut State, time: Ticks) {
         for executor in 0..self.executors {
@@ -337,6 +365,9 @@ impl Frame {
             {
                 s.t[clock] += time;
             }
+        }
+        for clock in self.monitor_clock.iter().flatten() {
+            s.t[*clock] = s.t[*clock].saturating_sub(time);
         }
     }
 }

@@ -8,10 +8,10 @@
 mod seen;
 
 pub use self::seen::Seen;
-use super::observe::{self, Observer};
+use super::observe::{self, Observers};
 use super::rules::{Action, Enabled, IdleTurn, Rules, SystemRules, Work};
 use super::state::{Clocks, Stages, State, TaskStatus, phase};
-use crate::property::Predicate;
+use crate::property::{Monitor, Predicate, monitor};
 use crate::system::{
     AutomatonId, ClientId, ClientStep, ComponentId, ServiceId, TaskId, Ticks, TimedSystem,
 };
@@ -24,6 +24,7 @@ pub struct Watched {
     /// Pairs of predicates: whenever the first becomes true, the others are awaited in order. There is at
     /// least one other.
     pub within: Vec<(Predicate, Vec<Predicate>)>,
+    pub monitors: Vec<Monitor>,
 }
 
 /// The possible actions in a state.
@@ -263,16 +264,15 @@ fn walk<'s, R: Rules + 's>(rules: &R, watched: &Watched) -> Stepper<'s> {
         within: (watched.within.iter())
             .map(|(_, responses)| Stages { count: responses.len(), measured: true })
             .collect(),
+        monitors: watched.monitors.iter().map(|monitor| monitor.time > 0).collect(),
         token: 0,
         ends: true,
     };
     let rules = rules.with_clocks(&clocks);
-    let observers = watched.within.iter().map(|(trigger, responses)| Observer {
-        trigger: trigger.clone(),
-        responses: responses.clone(),
-    });
+    let within = watched.within.iter();
+    let within = within.map(|(trigger, responses)| (trigger, &**responses));
     let walker = Walker {
-        observers: observers.collect(),
+        observers: Observers::of(within, &watched.monitors),
         reach: watched.reach.clone(),
         overdue: vec![false; rules.system().tasks.len()],
         s: rules.initial(),
@@ -284,9 +284,14 @@ fn walk<'s, R: Rules + 's>(rules: &R, watched: &Watched) -> Stepper<'s> {
     Stepper { walk: Box::new(walker) }
 }
 
+/// Returns true if what a monitor watches can begin in a state.
+fn opens<R: Rules>(rules: &R, monitor: &Monitor, s: &State) -> bool {
+    monitor.opening().eval_still(&|atom| rules.atom(s, atom))
+}
+
 struct Walker<R: Rules> {
     rules: R,
-    observers: Vec<Observer>,
+    observers: Observers,
     reach: Vec<Predicate>,
     s: State,
     /// The state before the last action.
@@ -325,6 +330,18 @@ impl<R: Rules> Walker<R> {
     fn observe(&mut self, before: Option<&State>, seen: &mut Vec<Seen>) {
         let met = |within, after| seen.push(Seen::Answered { within, after });
         observe::observe_with_reports(&self.rules, &self.observers, before, &mut self.s, met);
+        let l = self.rules.frame();
+        for (number, monitor) in self.observers.monitors.iter().enumerate() {
+            let was = before.is_some_and(|before| opens(&self.rules, monitor, before));
+            if !was && opens(&self.rules, monitor, &self.s) {
+                seen.push(Seen::Opened { monitor: number });
+            }
+            // The monitor begins again: a run may violate it several times.
+            if l.monitor(&self.s, number) == monitor::VIOLATED {
+                l.set_monitor(&mut self.s, number, monitor::INITIAL);
+                seen.push(Seen::Violated { monitor: number });
+            }
+        }
     }
 
     fn jobs(&self, seen: &mut Vec<Seen>) {

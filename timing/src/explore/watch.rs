@@ -2,7 +2,7 @@
 
 use super::reductions::Kinds;
 use crate::cancel::Cancel;
-use crate::property::Predicate;
+use crate::property::{Monitor, Predicate};
 use crate::system::{TaskId, Ticks};
 
 /// The questions of one exploration.
@@ -17,12 +17,21 @@ pub struct Watch {
     pub reach: Vec<Predicate>,
     /// Predicates whose least bound must be found.
     pub within: Vec<Within>,
+    /// Monitors, which predicates of `reach` name.
+    pub monitors: Vec<Monitor>,
     /// Search for deadlocks.
     pub deadlock: bool,
     /// Stop at the first missed deadline.
     pub stop_at_first: bool,
     /// Explore in order of time only, because only early events are of interest.
     pub in_order: bool,
+}
+
+impl Watch {
+    /// Returns the predicates whose time is measured, each with its responses.
+    pub(super) fn predicates_within(&self) -> impl Iterator<Item = (&Predicate, &[Predicate])> {
+        self.within.iter().map(|within| (&within.trigger, &*within.responses))
+    }
 }
 
 /// The response time of a task.

@@ -143,6 +143,7 @@ impl<'s> Parts<'s> {
             }
             Atom::ControlBusy(component) => part.kind == PartKind::Control(component),
             Atom::Client(client, _) => part.kind == PartKind::Client(client),
+            Atom::Tick(_) | Atom::Violated(_) => false,
         }
     }
 

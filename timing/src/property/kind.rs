@@ -28,6 +28,8 @@ pub enum PropertyKind {
     Always,
     /// A predicate holds in some state.
     Reachable,
+    /// A pattern of predicates in time holds on every run ([`super::MonitorKind`]).
+    Pattern,
     /// There is no deadlock: some event always follows.
     Deadlock,
 }
@@ -46,6 +48,7 @@ impl PropertyKind {
             PropertyKind::Eventually => "eventually",
             PropertyKind::Always => "always",
             PropertyKind::Reachable => "reachable",
+            PropertyKind::Pattern => "pattern",
             PropertyKind::Deadlock => "deadlock",
         }
     }

@@ -43,6 +43,10 @@ pub enum Atom {
     ControlBusy(ComponentId),
     /// A client is at one of these steps ([`crate::system::Client::done`] after the last step).
     Client(ClientId, Vec<usize>),
+    /// The timer of a task has just wrapped: the moment of its tick.
+    Tick(TaskId),
+    /// A [monitor](super::Monitor) is violated: its number in the list of what is watched.
+    Violated(usize),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -110,6 +114,11 @@ impl Predicate {
             },
             predicate => predicate.is_settled(absent, true),
         }
+    }
+
+    /// Returns true if the predicate never holds because of the `absent` atoms.
+    pub(crate) fn is_never(&self, absent: &dyn Fn(&Atom) -> bool) -> bool {
+        self.is_settled(absent, false)
     }
 
     /// Returns true if the predicate always has this value because of the `absent` atoms.

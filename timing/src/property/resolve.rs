@@ -90,6 +90,10 @@ fn atom(names: &Names, built: &Built, path: &Path) -> Result<Predicate, Diagnost
                 "idle" => TaskState::Idle,
                 "waiting" => TaskState::Waiting,
                 "running" => TaskState::Running,
+                "tick" if names.components[*c].component.tasks[*t as usize].period.is_some() => {
+                    let task = built.tasks[&DeclaredTask { component: *c, index: *t }];
+                    return Ok(Predicate::Atom(Atom::Tick(task)));
+                }
                 _ => return wrong(),
             };
             Atom::Task(built.tasks[&DeclaredTask { component: *c, index: *t }], state)

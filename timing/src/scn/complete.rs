@@ -300,6 +300,7 @@ impl Finder<'_> {
         if rest.get(1).is_some_and(|token| token.kind == Kind::Colon) {
             rest = &rest[2..];
         }
+        let whole = rest;
         let Some((first, rest)) = rest.split_first() else {
             return self.words(CHECKS);
         };
@@ -322,9 +323,21 @@ impl Finder<'_> {
             "deadlock" => {}
             // All other checks are about predicates.
             check if CHECKS.contains(&check) => {
-                let _ = self.unit(rest) || self.predicate(rest, check == "within");
+                let more: &[&str] = match check {
+                    "within" if rest.iter().any(|token| token.kind == Kind::Implies) => {
+                        &["then", "in"]
+                    }
+                    "absent" => &["after", "for"],
+                    "before" => &["never", "always", "eventually"],
+                    "after" => &["until", "never", "always"],
+                    "between" => &["never", "always", "eventually"],
+                    _ => &[],
+                };
+                let _ = self.unit(rest) || self.predicate(rest, more);
             }
-            _ => {}
+            _ => {
+                self.predicate(whole, &["precedes"]);
+            }
         }
     }
 
@@ -433,7 +446,7 @@ mod tests {
 
     #[test]
     fn every_word_has_a_meaning() {
-        for word in [ITEMS, CHECKS, STEPS, STATUSES].concat() {
+        for word in [ITEMS, CHECKS, STEPS, STATUSES, &["precedes", "until", "in", "for"]].concat() {
             assert!(words::find(word).is_some(), "{word}");
         }
     }

@@ -40,6 +40,9 @@ pub enum Kind {
     /// `<=`
     #[token("<=")]
     AtMost,
+    /// `>=`
+    #[token(">=")]
+    AtLeast,
     #[doc = "`{`"]
     #[token("{")]
     OpenBrace,

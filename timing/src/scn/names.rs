@@ -57,7 +57,7 @@ pub struct Reference {
 
 /// Words that may follow a task, service or codel state in a predicate.
 pub const STATUSES: &[&str] =
-    &["waiting", "running", "idle", "exec", "lock", "run", "stop", "void"];
+    &["waiting", "running", "idle", "exec", "lock", "run", "stop", "void", "tick"];
 
 impl<'a> Names<'a> {
     /// Collects the components (not the interfaces) of some specifications.

@@ -4,6 +4,7 @@
 mod checks;
 mod items;
 mod measures;
+mod patterns;
 mod steps;
 mod tokens;
 mod values;
@@ -33,19 +34,19 @@ pub fn parse(text: &str) -> Parse {
     Parse { scenario, errors: parser.errors }
 }
 
-/// Parses a check: the text after `check`, without the `;`.
+/// Parses a check: the text after `check`, without the `;`. An interval of time is two checks.
 ///
 /// # Errors
 ///
 /// Returns the first syntax error.
-pub fn parse_check(text: &str) -> Result<Check, Diagnostic> {
+pub fn parse_check(text: &str) -> Result<Vec<Check>, Diagnostic> {
     let mut parser = Parser::new(text);
     let check = parser.check_body(0);
     if parser.errors.is_empty() && parser.peek().is_some() {
         parser.expected("the end of the check");
     }
     match (parser.errors.into_iter().next(), check) {
-        (None, Some(check)) => Ok(check),
+        (None, Some(check)) => Ok([vec![check], parser.lower].concat()),
         (Some(error), _) => Err(error),
         (None, None) => {
             Err(Diagnostic::error("scn-syntax", 0..text.len(), "not a check".to_owned()))
@@ -62,6 +63,8 @@ struct Parser<'t> {
     at: usize,
     errors: Vec<Diagnostic>,
     depth: u32,
+    /// Checks of the lower bounds of intervals of time, each of which belongs to the check before it.
+    lower: Vec<Check>,
 }
 
 impl<'t> Parser<'t> {
@@ -82,7 +85,7 @@ impl<'t> Parser<'t> {
             .into_iter()
             .filter(|token| !token.kind.is_trivia() && token.kind != Kind::Unknown)
             .collect();
-        Parser { text, tokens, at: 0, errors, depth: 0 }
+        Parser { text, tokens, at: 0, errors, depth: 0, lower: Vec::new() }
     }
 
     fn nested<T>(&mut self, body: impl FnOnce(&mut Self) -> Option<T>) -> Option<T> {

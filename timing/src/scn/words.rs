@@ -268,6 +268,38 @@ const WORDS: &[Word] = &[
         "check within P => Q then R <= 5 ms;",
         "The next predicate: it is true when the one before it is, or later.",
     ),
+    word(
+        "absent",
+        "check absent Q after P for 10 ms;",
+        "Whenever P becomes true, Q does not hold from then on, for less than this time.",
+    ),
+    word(
+        "lasts",
+        "check lasts P >= 2 ms;  check lasts P <= 2 ms;",
+        "Whenever P becomes true, it holds for at least, or at most, this time.",
+    ),
+    word("precedes", "check P precedes Q;", "Q does not hold before P has held."),
+    word(
+        "before",
+        "check before P never Q;  check before P eventually Q;",
+        "Until P holds for the first time, Q never holds (or always, or at some moment). If P never holds, \
+         nothing is claimed.",
+    ),
+    word(
+        "after",
+        "check after P never Q;  check after P until Q always R;",
+        "From the first P on, or from each P until the next Q, the last predicate never or always holds.",
+    ),
+    word(
+        "between",
+        "check between P and Q never R;",
+        "From P to the next Q, R never holds (or always, or at some moment). If Q does not come, nothing is \
+         claimed. Predicates with `and` or `or` need parentheses.",
+    ),
+    word("until", "check after P until Q never R;", "The end of a scope; it need not come."),
+    word("in", "check within P => Q in [5, 20] ms;", "The least and the greatest time; `*`: any."),
+    word("for", "check absent Q after P for 10 ms;", "The time for which something is absent."),
+    word("tick", "TASK.tick", "The timer of a periodic task has just begun a period."),
     word("leave", "leave PATH", "The moment at which PATH stops being true."),
     word("waiting", "TASK.waiting", "The task waits for a core (an activity: is held back)."),
     word("running", "TASK.running", "The task has its core."),

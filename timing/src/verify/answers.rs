@@ -10,7 +10,7 @@ use crate::property::{Atom, Predicate, resolve};
 use crate::report::{
     CheckId, CheckReport, Event, GaveUp, Limit, Report, Soundness, Value, Verdict,
 };
-use crate::scn::ast::{Durations, Pred};
+use crate::scn::ast::{Durations, Pattern, Pred};
 use crate::system::ThreadName;
 use crate::system::indexed::DeclaredTask;
 use crate::system::loops::{can_be_limited, pauseless_cycles};
@@ -29,6 +29,7 @@ impl Group<'_> {
             What::Chain(chain) => chain.path.text(),
             What::LeadsTo(p, q) => arrow(p, std::slice::from_ref(q)),
             What::Eventually(p) | What::Always(p) | What::Reachable(p) => p.text(),
+            What::Pattern(pattern) => pattern.text(),
             What::Deadlock => String::new(),
         };
         let of = check.check.subject.clone().unwrap_or_else(of);
@@ -109,8 +110,10 @@ impl Group<'_> {
         match check.what {
             What::Schedulable(_) => absent(&found.missed[place], &mut out),
             What::NoOverdue(_) => absent(&found.overdue[place], &mut out),
-            What::Always(_) if found.never[place] => out.verdict = Verdict::Proved,
-            What::Always(_) => absent(&found.reached[place], &mut out),
+            What::Always(_) | What::Pattern(_) if found.never[place] => {
+                out.verdict = Verdict::Proved;
+            }
+            What::Always(_) | What::Pattern(_) => absent(&found.reached[place], &mut out),
             What::Deadlock if found.no_deadlock => out.verdict = Verdict::Proved,
             What::Deadlock => absent(&found.deadlock, &mut out),
             What::Reachable(_) if found.never[place] => out.verdict = Verdict::Refuted,
@@ -275,6 +278,7 @@ impl Group<'_> {
         match check.what {
             What::Schedulable(task) | What::NoOverdue(task) => self.never_released(task, found),
             What::Always(pred) => self.never_true(pred, found),
+            What::Pattern(pattern) => self.never_opened(pattern, found),
             _ => None,
         }
     }
@@ -304,6 +308,14 @@ impl Group<'_> {
             _ => false,
         })?;
         Some(format!("`{}` never becomes true", never.text()))
+    }
+
+    /// Returns the predicate that was never true, if the pattern says nothing without it.
+    fn never_opened(&self, pattern: &Pattern, found: &Findings) -> Option<String> {
+        let monitor = self.monitor(pattern)?;
+        let absent = |atom: &Atom| found.absent.has(atom);
+        let never = monitor.opening().is_never(&absent);
+        never.then(|| format!("`{}` never becomes true", pattern.opening().text()))
     }
 
     fn unless_stopped(

@@ -3,7 +3,7 @@
 use crate::diagnostic::Diagnostic;
 use crate::property::{PropertyKind, resolve};
 
-use crate::scn::ast::{Bound, ChainKind, ChainPath, Check, CheckKind, Path, Pred};
+use crate::scn::ast::{Bound, ChainKind, ChainPath, Check, CheckKind, Path, Pattern, Pred};
 use crate::scn::names::Names;
 use crate::system::flow;
 use crate::system::indexed::Built;
@@ -42,6 +42,7 @@ impl What<'_> {
             What::Eventually(_) => PropertyKind::Eventually,
             What::Always(_) => PropertyKind::Always,
             What::Reachable(_) => PropertyKind::Reachable,
+            What::Pattern(_) => PropertyKind::Pattern,
             What::Deadlock => PropertyKind::Deadlock,
         }
     }
@@ -66,6 +67,7 @@ pub(super) enum What<'c> {
     Eventually(&'c Pred),
     Always(&'c Pred),
     Reachable(&'c Pred),
+    Pattern(&'c Pattern),
     Deadlock,
 }
 
@@ -172,6 +174,11 @@ pub(super) fn expand<'c>(
             CheckKind::Reachable(p) => {
                 let components = preds(&[p]);
                 push(What::Reachable(p), components);
+                Ok(())
+            }
+            CheckKind::Pattern(pattern) => {
+                let components = preds(&pattern.predicates.iter().collect::<Vec<_>>());
+                push(What::Pattern(pattern), components);
                 Ok(())
             }
             CheckKind::Deadlock => {

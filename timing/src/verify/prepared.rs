@@ -6,7 +6,7 @@ use super::checks::{Single, What, expand};
 use super::{Cancel, Group, Options, SystemInput, events, settings};
 use crate::diagnostic::Diagnostic;
 use crate::explore::{Run, Watched};
-use crate::property::{Predicate, resolve};
+use crate::property::{Monitor, Predicate, resolve};
 use crate::report::{CheckReport, Event, Report, TimeUnit, to_f64};
 use crate::scn::ast::{Pred, Scenario};
 use crate::scn::names::Names;
@@ -54,6 +54,8 @@ pub enum Question {
     Always(Predicate),
     /// The predicate can become true.
     Reachable(Predicate),
+    /// The monitor is not violated.
+    Pattern(Monitor),
     /// Some event always follows.
     Deadlock,
 }
@@ -130,6 +132,7 @@ impl Group<'_> {
             What::Eventually(p) => Question::Eventually(predicate(p)?),
             What::Always(p) => Question::Always(predicate(p)?),
             What::Reachable(p) => Question::Reachable(predicate(p)?),
+            What::Pattern(pattern) => Question::Pattern(self.monitor(pattern)?),
             What::Deadlock => Question::Deadlock,
         })
     }
@@ -160,8 +163,8 @@ impl Prepared {
         u64::try_from(ticks).unwrap_or(u64::MAX)
     }
 
-    /// Returns the predicates to watch along a run, and for each check its index in [`Watched::reach`] or
-    /// [`Watched::within`], if it has one.
+    /// Returns what is watched along a run, and for each check its index in [`Watched::reach`],
+    /// [`Watched::within`] or [`Watched::monitors`], if it has one.
     pub fn watched(&self) -> (Watched, Vec<Option<usize>>) {
         let mut out = Watched::default();
         let mut places = Vec::new();
@@ -180,6 +183,10 @@ impl Prepared {
                 Question::LeadsTo(p, q) => {
                     out.within.push((p.clone(), vec![q.clone()]));
                     Some(out.within.len() - 1)
+                }
+                Question::Pattern(monitor) => {
+                    out.monitors.push(monitor.clone());
+                    Some(out.monitors.len() - 1)
                 }
                 Question::Schedulable(_)
                 | Question::NoOverdue(_)

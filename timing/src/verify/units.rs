@@ -24,6 +24,14 @@ impl Group<'_> {
         let ticks = (seconds(limit?) / self.built.system.unit).to_integer();
         Ticks::try_from(ticks).ok().filter(|&tick| tick < Ticks::MAX)
     }
+
+    /// Returns a least time in base units, rounded up: what keeps the rounded time keeps the stated one. 0 if
+    /// there is none.
+    pub(super) fn ticks_up(&self, least: Bound) -> Ticks {
+        let Some(least) = least else { return 0 };
+        let ticks = (seconds(least) / self.built.system.unit).ceil().to_integer();
+        Ticks::try_from(ticks).map_or(Ticks::MAX - 1, |ticks| ticks.min(Ticks::MAX - 1))
+    }
 }
 
 pub(super) fn seconds((count, unit): (u64, Unit)) -> Seconds {

@@ -4,8 +4,8 @@ use super::Group;
 use super::bounds::ResponseBounds;
 use super::checks::{Single, What};
 use crate::explore::{ResponseTime, Watch, Within};
-use crate::property::{Predicate, resolve};
-use crate::scn::ast::Pred;
+use crate::property::{Monitor, Predicate, resolve};
+use crate::scn::ast::{Pattern, Pred};
 use crate::system::TaskId;
 
 impl Group<'_> {
@@ -20,6 +20,17 @@ impl Group<'_> {
             }
             _ => false,
         }
+    }
+
+    /// Returns the monitor of a pattern; `None` if a name was reported as unknown.
+    pub(super) fn monitor(&self, pattern: &Pattern) -> Option<Monitor> {
+        let predicates = pattern.predicates.iter();
+        let predicates = predicates.map(|pred| resolve::resolve(self.names, self.built, pred).ok());
+        Some(Monitor {
+            kind: pattern.kind,
+            predicates: predicates.collect::<Option<_>>()?,
+            time: self.ticks_up(pattern.time),
+        })
     }
 
     /// Returns the watch list for these checks, and the place of each answer.
@@ -72,6 +83,12 @@ impl Group<'_> {
                 What::Reachable(p) => {
                     let Some(p) = predicate(p) else { continue };
                     watch.reach.push(p);
+                    watch.reach.len() - 1
+                }
+                What::Pattern(pattern) => {
+                    let Some(monitor) = self.monitor(pattern) else { continue };
+                    watch.reach.push(Predicate::violated(watch.monitors.len()));
+                    watch.monitors.push(monitor);
                     watch.reach.len() - 1
                 }
                 What::Deadlock => {

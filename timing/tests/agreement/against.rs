@@ -21,8 +21,8 @@ use crate::agreement::expected::answers;
 use crate::agreement::servers::chains::Chain;
 use crate::agreement::servers::model::{Datum, read};
 use crate::agreement::servers::random::{
-    Texts, alike, chained, chained_steadily, occasional, periodic, preempted, quiet, requests,
-    texts, varied,
+    Texts, alike, chained, chained_steadily, occasional, patterned, periodic, preempted, quiet,
+    requests, texts, varied,
 };
 use crate::agreement::servers::{CAP, Interpreter};
 use crate::agreement::{all_agree, first, systems};
@@ -254,6 +254,14 @@ static OPEN: AtomicUsize = AtomicUsize::new(0);
 
 /// Number of bounds that are the exact values.
 static REACHED: AtomicUsize = AtomicUsize::new(0);
+
+#[test]
+fn patterns_agree_with_the_interpreter_of_the_servers() {
+    all_agree(first(), cases(), 3, |seed| {
+        let mut dice = systems::Dice::new(seed);
+        compare(&format!("seed {seed}"), &patterned(&mut dice))
+    });
+}
 
 #[test]
 fn the_middle_tier_is_never_below_the_interpreter_of_the_servers() {

@@ -12,6 +12,7 @@ use dotgen_timing::scn::parse;
 use serde_json::{Value as Json, json};
 
 use crate::agreement::servers::model::{System, read};
+use crate::agreement::servers::patterns::Pattern;
 use crate::agreement::servers::{CAP, Interpreter, Predicate, Results, Sequence, predicate};
 
 fn cases() -> Option<PathBuf> {
@@ -51,6 +52,7 @@ pub(crate) fn answers(
 ) -> Option<Vec<(String, Json)>> {
     let checks: Vec<&Check> = scenario.checks().collect();
     let (mut within, mut reach): (Vec<Sequence>, Vec<Predicate>) = Default::default();
+    let mut patterns = Vec::new();
     for check in &checks {
         match &check.kind {
             CheckKind::Within(p, list, _) => {
@@ -58,11 +60,14 @@ pub(crate) fn answers(
                 within.push((predicate(system, p), list.collect()));
             }
             CheckKind::Reachable(p) | CheckKind::Always(p) => reach.push(predicate(system, p)),
+            CheckKind::Pattern(pattern) => patterns.push(Pattern::new(system, pattern)),
             _ => {}
         }
     }
-    let found = Interpreter::new(system, &within, &reach).explore(limit)?;
+    let interpreter = Interpreter::new(system, &within, &reach).with_patterns(&patterns);
+    let found = interpreter.explore(limit)?;
     let (mut withins, mut reached) = (found.within.iter(), found.reached.iter());
+    let mut violated = found.violated.iter();
     let mut out = Vec::new();
     for check in checks {
         let name = check.name.as_ref().map(|name| name.value.clone());
@@ -76,6 +81,10 @@ pub(crate) fn answers(
             }
             CheckKind::Reachable(_) => {
                 let holds = reached.next().copied().unwrap_or(false);
+                out.push((name.unwrap_or_default(), verdict(holds)));
+            }
+            CheckKind::Pattern(_) => {
+                let holds = !violated.next().copied().unwrap_or(false);
                 out.push((name.unwrap_or_default(), verdict(holds)));
             }
             CheckKind::Schedulable(None) => {

@@ -7,6 +7,7 @@ pub(crate) mod chains;
 mod control;
 mod cores;
 pub(crate) mod model;
+pub(crate) mod patterns;
 mod perform;
 mod possible;
 mod predicates;
@@ -22,6 +23,7 @@ pub(crate) use self::state::CAP;
 use dotgen_timing::scn::semantics::TickRule;
 
 use self::model::System;
+use self::patterns::{Memory, Pattern};
 use self::state::{Phase, State};
 
 /// A trigger, and the responses that must follow in order.
@@ -31,6 +33,7 @@ pub(crate) struct Interpreter<'s> {
     system: &'s System,
     within: &'s [Sequence],
     reach: &'s [Predicate],
+    patterns: &'s [Pattern],
     /// Number of cores. `None`: as many as there are tasks that need one.
     cores: Option<usize>,
 }
@@ -44,6 +47,8 @@ pub(crate) struct Results {
     pub(crate) response: Vec<Vec<Option<u32>>>,
     pub(crate) within: Vec<Option<u32>>,
     pub(crate) reached: Vec<bool>,
+    /// By pattern.
+    pub(crate) violated: Vec<bool>,
     pub(crate) deadlock: bool,
     /// Services with a request that found no slot.
     pub(crate) refused: Vec<Vec<bool>>,
@@ -65,7 +70,11 @@ impl<'s> Interpreter<'s> {
         // Under preemption there are never "enough" cores: if a task is bound to one of them, others do not
         // help.
         let limits = |cores: &usize| system.preempts() || *cores < needing;
-        Interpreter { system, within, reach, cores: system.cores.filter(limits) }
+        Interpreter { system, within, reach, patterns: &[], cores: system.cores.filter(limits) }
+    }
+
+    pub(crate) fn with_patterns(self, patterns: &'s [Pattern]) -> Self {
+        Interpreter { patterns, ..self }
     }
 
     fn needs_core(&self, c: usize, t: usize) -> bool {
@@ -92,6 +101,7 @@ impl<'s> Interpreter<'s> {
             missed,
             within: vec![None; self.within.len()],
             reached: vec![false; self.reach.len()],
+            violated: vec![false; self.patterns.len()],
             refused: services.collect(),
             ..Results::default()
         }
@@ -122,6 +132,9 @@ impl<'s> Interpreter<'s> {
         for (predicate, reached) in self.reach.iter().zip(&mut out.reached) {
             *reached = *reached || self.holds(before, now, predicate);
         }
+        for (memory, violated) in now.patterns.iter().zip(&mut out.violated) {
+            *violated |= memory.violated;
+        }
         // An obligation that is met at once takes no time, which is a measured time.
         for ((trigger, _), longest) in self.within.iter().zip(&mut out.within) {
             let was = before.is_some_and(|state| self.holds(Some(state), state, trigger));
@@ -140,6 +153,7 @@ impl<'s> Interpreter<'s> {
                 self.start(&mut initial, c, 0);
             }
         }
+        initial.patterns = self.patterns.iter().map(|_| Memory::default()).collect();
         self.watch(None, &mut initial);
         self.reach(None, &initial, &mut out);
         let mut seen: HashSet<State> = HashSet::new();

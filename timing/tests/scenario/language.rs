@@ -110,7 +110,7 @@ fn checks_can_be_given_alone() {
 
 #[test]
 fn implications_and_never_stand_for_other_predicates() {
-    let text = |check: &str| match parse_check(check).unwrap().kind {
+    let text = |check: &str| match parse_check(check).unwrap().remove(0).kind {
         CheckKind::Always(predicate) | CheckKind::Reachable(predicate) => predicate.text(),
         other => panic!("{other:?}"),
     };

@@ -7,7 +7,7 @@
 (choice_word) @constant.builtin
 ["{" "}" "[" "]" "(" ")"] @punctuation.bracket
 [";" "," "." ":"] @punctuation.delimiter
-["=>" "->" "<="] @operator
+["=>" "->" "<=" ">="] @operator
 "*" @constant.builtin
 
 ["scenario" "client"] @keyword.type
@@ -24,10 +24,15 @@
 "choice" @keyword.conditional
 (choice "or" @keyword.conditional)
 (or "or" @keyword.operator)
-["and" "not" "leave" "then" "via" "to" "late" "lost" "stale" "violation" "of" "after"] @keyword.operator
+["and" "not" "leave" "then" "via" "to" "late" "lost" "stale" "violation" "of" "for" "in" "until"] @keyword.operator
+(claim) @keyword.operator
+(measure "after" @keyword.operator)
+(check kind: "absent" "after" @keyword.operator)
 [
   "schedulable" "no-overdue" "response" "within" "reaction" "age" "leadsto" "eventually" "always" "never" "reachable" "deadlock"
+  "absent" "lasts" "precedes" "before" "between"
 ] @function.builtin
+(check kind: "after" @function.builtin)
 
 (scenario name: (identifier) @type)
 (client name: (identifier) @function)

@@ -55,7 +55,7 @@ fn tokens(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Vec<Token>> {
             }
             Kind::Text | Kind::UnclosedText => Some(TokenType::String),
             Kind::Number => Some(TokenType::Number),
-            Kind::Implies | Kind::Arrow | Kind::AtMost => Some(TokenType::Operator),
+            Kind::Implies | Kind::Arrow | Kind::AtMost | Kind::AtLeast => Some(TokenType::Operator),
             Kind::Name => types.get(&token.range.start).copied().or_else(|| {
                 let is_name =
                     token.range == problem.scenario.name_range || before == Some(Kind::Dot);

@@ -169,7 +169,7 @@ pub(super) fn asked(system: &TimedSystem, asked: &Watched) -> TiVec<ComponentId,
 
 fn mark(system: &TimedSystem, predicate: &Predicate, about: &mut TiSlice<ComponentId, bool>) {
     predicate.atoms(&mut |atom| match *atom {
-        Atom::Task(task, _) => about[system.tasks[task].component] = true,
+        Atom::Task(task, _) | Atom::Tick(task) => about[system.tasks[task].component] = true,
         Atom::State { machine, .. } => {
             for automaton in system.automata.iter().filter(|automaton| automaton.machine == machine)
             {
@@ -181,5 +181,7 @@ fn mark(system: &TimedSystem, predicate: &Predicate, about: &mut TiSlice<Compone
         }
         Atom::ControlBusy(component) => about[component] = true,
         Atom::Client(..) => about.fill(true),
+        // The predicates of the monitor are asked as well.
+        Atom::Violated(_) => {}
     });
 }

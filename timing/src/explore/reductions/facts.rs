@@ -52,7 +52,7 @@ impl Visible {
         };
         for predicate in predicates {
             predicate.atoms(&mut |atom| match *atom {
-                Atom::Task(task, _) => parts.statuses[usize::from(task)] = true,
+                Atom::Task(task, _) | Atom::Tick(task) => parts.statuses[usize::from(task)] = true,
                 Atom::State { machine, .. } => parts.machines[machine] = true,
                 Atom::Slot(service, _) => parts.slots[service] = true,
                 Atom::Client(client, _) => parts.clients[client] = true,
@@ -60,9 +60,11 @@ impl Visible {
                     parts.controls[system.services[service].component] = true;
                 }
                 Atom::ControlBusy(component) => parts.controls[component] = true,
+                // The predicates of the monitor are asked as well.
+                Atom::Violated(_) => {}
             });
             predicate.atoms(&mut |atom| match *atom {
-                Atom::Task(task, _) => tasks[usize::from(task)] = true,
+                Atom::Task(task, _) | Atom::Tick(task) => tasks[usize::from(task)] = true,
                 Atom::State { machine, .. } => {
                     for automaton in
                         system.automata.iter().filter(|automaton| automaton.machine == machine)
@@ -77,6 +79,7 @@ impl Visible {
                     others = true;
                 }
                 Atom::Handling { .. } | Atom::ControlBusy(_) | Atom::Client(..) => others = true,
+                Atom::Violated(_) => {}
             });
         }
         Visible { tasks, others, parts }

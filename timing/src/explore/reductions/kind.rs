@@ -141,6 +141,8 @@ pub enum Reason {
     NothingPeriodic,
     /// Some task is periodic.
     Periodic,
+    /// Monitors are not followed in dense time.
+    Patterns,
     /// Every group of tasks has codels with a least time above 0, or is observed.
     NothingToPutOff,
     /// There is no polling loop.
@@ -183,6 +185,7 @@ impl fmt::Display for Reason {
             }
             Reason::NothingPeriodic => "no task is periodic",
             Reason::Periodic => "some task is periodic",
+            Reason::Patterns => "a check is a pattern",
             Reason::NothingToPutOff => {
                 "whatever could end early has a lower bound, or something is asked about it"
             }

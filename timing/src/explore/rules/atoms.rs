@@ -1,10 +1,10 @@
 //! The values of atoms.
 
-use super::SystemRules;
 use super::points::Cycle;
 use super::status::{control, slot};
+use super::{Rules, SystemRules};
 use crate::explore::state::{State, TaskStatus, phase};
-use crate::property::{Atom, SlotStatus, StatePhase, TaskState};
+use crate::property::{Atom, SlotStatus, StatePhase, TaskState, monitor};
 use crate::system::ServiceId;
 
 impl SystemRules<'_> {
@@ -40,6 +40,11 @@ impl SystemRules<'_> {
             }
             Atom::ControlBusy(component) => l.control(s, component) != control::READY,
             Atom::Client(client, ref steps) => steps.contains(&(l.position(s, client) as usize)),
+            Atom::Tick(task) => {
+                let period = self.system.tasks[task].period;
+                self.tick(s, usize::from(task)).is_some_and(|(left, _)| Some(left) == period)
+            }
+            Atom::Violated(monitor) => self.frame().monitor(s, monitor) == monitor::VIOLATED,
         }
     }
 

@@ -116,7 +116,8 @@ impl<'w> Goals<'w> {
     /// Returns a watch for some of the goals, which must be in order. Their indices there are their positions
     /// in `some`.
     pub(super) fn only(&self, some: &[GoalId]) -> Watch {
-        let mut watch = Watch { stop_at_first: self.watch.stop_at_first, ..Watch::default() };
+        let Watch { stop_at_first, ref monitors, .. } = *self.watch;
+        let mut watch = Watch { stop_at_first, monitors: monitors.clone(), ..Watch::default() };
         for &id in some {
             match self.get(id) {
                 Goal::Missed(task) => watch.schedulable.push(TaskId::from(task)),

@@ -422,7 +422,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
             let run = self.trace(at, &Target::Lasts(of, value));
             let mut out = Divergence { gauge, proof: None, excess: None };
             let rules = &self.observations.rules;
-            let recent = (&self.observations.observers[..], value);
+            let recent = (&self.observations.observers, value);
             let age = |s: &State| of.age(rules.frame(), s);
             if let Some(cycle) = run.repetition(rules, recent, &age, self.cancel) {
                 let left = limit.and_then(|limit| limit.checked_sub(value));

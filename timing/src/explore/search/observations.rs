@@ -3,7 +3,7 @@
 use super::goals::{GoalId, Goals, PerGoal};
 use crate::explore::measure::{Gauge, MeasurementMode, Timing};
 use crate::explore::never_observed::NeverObserved;
-use crate::explore::observe::{self, Observer};
+use crate::explore::observe::{self, Observers};
 use crate::explore::reductions::{Kinds, Label, Reduced, Reductions, SleepSet, Watched};
 use crate::explore::rules::{Action, Enabled};
 use crate::explore::run::Run;
@@ -46,7 +46,7 @@ pub(super) struct Observations<'a, R: Reduced, P> {
     pub(super) reductions: R::Reductions,
     pub(super) watch: &'a Watch,
     pub(super) goals: Goals<'a>,
-    pub(super) observers: Vec<Observer>,
+    pub(super) observers: Observers,
     pub(super) gauges: &'a [Gauge],
     /// Tasks whose clock is only for the overdue check.
     pub(super) waiting_only: Vec<bool>,
@@ -74,11 +74,13 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
                 measured: measured(Timing::Within(i)),
             })
             .collect();
-        let clocks = Clocks { response: observed, within: clocked, token: 0, ends: false };
+        let monitors = watch.monitors.iter().map(|monitor| monitor.time > 0).collect();
+        let clocks = Clocks { response: observed, within: clocked, monitors, ..Clocks::default() };
         let own = rules.with_clocks(&clocks);
         let predicates: Vec<&Predicate> = (watch.within.iter())
             .flat_map(|bound| bound.responses.iter().chain([&bound.trigger]))
             .chain(&watch.reach)
+            .chain(watch.monitors.iter().flat_map(|monitor| &monitor.predicates))
             .collect();
         let label = |task: usize| Label {
             watched: [
@@ -100,14 +102,7 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
         Observations {
             rules: own,
             watch,
-            observers: watch
-                .within
-                .iter()
-                .map(|bound| Observer {
-                    trigger: bound.trigger.clone(),
-                    responses: bound.responses.clone(),
-                })
-                .collect(),
+            observers: Observers::of(watch.predicates_within(), &watch.monitors),
             gauges,
             waiting_only,
             seen: Seen {
@@ -278,7 +273,7 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
         let Timing::Within(observer) = of else {
             return false;
         };
-        let trigger = &self.observers[observer].trigger;
+        let trigger = &self.observers.responses[observer].trigger;
         let was = before.is_some_and(|state| trigger.eval_still(&|a| self.rules.atom(state, a)));
         !was && observe::predicate(&self.rules, before, s, trigger)
     }

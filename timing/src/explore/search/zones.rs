@@ -223,6 +223,9 @@ pub(super) fn suit(system: &TimedSystem, watch: &Watch, limits: Limits) -> Resul
     if watch.reach.is_empty() && !watch.deadlock {
         return Err(Reason::NothingToFind);
     }
+    if !watch.monitors.is_empty() {
+        return Err(Reason::Patterns);
+    }
     if system.tasks.iter().any(|task| task.period.is_some()) {
         return Err(Reason::Periodic);
     }

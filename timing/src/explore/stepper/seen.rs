@@ -44,6 +44,16 @@ pub enum Seen {
     Missed { task: usize },
     /// A job waits for a core for at least the period of its task.
     Overdue { task: usize },
+    /// What a monitor of [`Watched::monitors`](super::Watched::monitors) watches begins.
+    Opened {
+        /// Index of the monitor.
+        monitor: usize,
+    },
+    /// A monitor of [`Watched::monitors`](super::Watched::monitors) is violated, and begins again.
+    Violated {
+        /// Index of the monitor.
+        monitor: usize,
+    },
     /// A predicate of [`Watched::reach`](super::Watched::reach) has become true.
     Reached {
         /// Index of the predicate.

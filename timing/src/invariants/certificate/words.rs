@@ -188,6 +188,8 @@ pub(super) fn atom(system: &TimedSystem, names: &Names, atom: &Atom) -> String {
             format!("{of}{}", phase(wanted))
         }
         Atom::ControlBusy(component) => format!("{}.busy", system.components[component].name),
+        Atom::Tick(task) => format!("{}.tick", system.task_path(task)),
+        Atom::Violated(monitor) => format!("pattern {monitor} is violated"),
         Atom::Client(client, ref steps) => {
             let client = &system.clients[client];
             let label = |&step: &usize| {

@@ -114,21 +114,21 @@ impl<'f> Finder<'f> {
         out
     }
 
-    /// Adds one name of a predicate's path at a time, with statuses, clients and the words between. Every
-    /// place is one for a predicate, so it returns true.
-    pub(super) fn predicate(&mut self, rest: &[&Token], sequence: bool) -> bool {
+    /// Adds one name of a predicate's path at a time, with statuses, clients and the words between, among
+    /// them `more` of the check. Every place is one for a predicate, so it returns true.
+    pub(super) fn predicate(&mut self, rest: &[&Token], more: &[&'static str]) -> bool {
         let after_operand = rest.last().is_some_and(|token| match token.kind {
             Kind::CloseParen => true,
             Kind::Name => {
-                !matches!(word(self.text, Some(token)), "and" | "or" | "not" | "leave" | "then")
+                let word = word(self.text, Some(token));
+                !matches!(word, "and" | "or" | "not" | "leave" | "precedes" | "after" | "until")
+                    && !more.contains(&word)
             }
             _ => false,
         });
         if after_operand {
             self.words(&["and", "or"]);
-            if sequence && rest.iter().any(|token| token.kind == Kind::Implies) {
-                self.words(&["then"]);
-            }
+            self.words(more);
             return true;
         }
         let path = self.written(rest).map(|pair| pair.1).unwrap_or_default();
@@ -179,7 +179,7 @@ impl<'f> Finder<'f> {
 fn statuses(target: Option<&Target>) -> &'static [&'static str] {
     match target {
         Some(Target::Component(_)) => &["idle"],
-        Some(Target::Task(..)) => &["idle", "waiting", "running"],
+        Some(Target::Task(..)) => &["idle", "waiting", "running", "tick"],
         Some(Target::Service(..)) => &["waiting", "run", "stop", "void", "lock", "exec"],
         Some(Target::State(..) | Target::Codel(..)) => &["lock", "exec"],
         _ => &[],

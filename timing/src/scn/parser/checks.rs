@@ -18,6 +18,11 @@ pub(in crate::scn) const CHECKS: &[&str] = &[
     "never",
     "reachable",
     "deadlock",
+    "absent",
+    "lasts",
+    "before",
+    "after",
+    "between",
 ];
 
 impl Parser<'_> {
@@ -26,6 +31,10 @@ impl Parser<'_> {
         if self.tokens.get(self.at + 1).is_some_and(|token| token.kind == Kind::Colon) {
             name = Some(self.name("the name of the check")?);
             self.at += 1;
+        }
+        if self.is_precedence() {
+            let kind = self.precedence()?;
+            return Some(Check { name, subject: None, kind, range: start..self.end() });
         }
         let word = self.word();
         if !CHECKS.contains(&word) {
@@ -46,8 +55,13 @@ impl Parser<'_> {
                 while self.eat_word("then") {
                     responses.push(self.pred()?);
                 }
-                CheckKind::Within(p, responses, self.bound()?)
+                let bound = match &responses[..] {
+                    [q] if self.word() == "in" => self.between_times((&p, q), start)?,
+                    _ => self.bound()?,
+                };
+                CheckKind::Within(p, responses, bound)
             }
+            "absent" | "lasts" | "before" | "after" | "between" => self.pattern(word)?,
             "reaction" => CheckKind::Chain(ChainKind::Reaction, self.chain()?, self.bound()?),
             "age" => CheckKind::Chain(ChainKind::Age, self.chain()?, self.bound()?),
             "leadsto" => {
@@ -92,7 +106,7 @@ impl Parser<'_> {
     }
 
     /// A predicate in which `P => Q` stands for `not P or Q`. `=>` binds weaker than `or`, to the right.
-    fn formula(&mut self) -> Option<Pred> {
+    pub(super) fn formula(&mut self) -> Option<Pred> {
         self.nested(|parser| {
             let left = parser.pred()?;
             if !parser.eat(Kind::Implies) {
@@ -103,7 +117,7 @@ impl Parser<'_> {
         })
     }
 
-    fn pred(&mut self) -> Option<Pred> {
+    pub(super) fn pred(&mut self) -> Option<Pred> {
         let mut left = self.conjunction()?;
         while self.eat_word("or") {
             left = Pred::Or(Box::new(left), Box::new(self.conjunction()?));
@@ -119,7 +133,7 @@ impl Parser<'_> {
         Some(left)
     }
 
-    fn factor(&mut self) -> Option<Pred> {
+    pub(super) fn factor(&mut self) -> Option<Pred> {
         self.nested(|parser| {
             if parser.eat_word("not") {
                 return Some(Pred::Not(Box::new(parser.factor()?)));

@@ -67,6 +67,7 @@ impl Parser<'_> {
                     let start = self.at;
                     if let Some(item) = self.item() {
                         out.items.push(item);
+                        out.items.extend(self.lower.drain(..).map(Item::Check));
                     } else {
                         self.at += usize::from(self.at == start);
                         self.recover();

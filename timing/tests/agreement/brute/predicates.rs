@@ -74,7 +74,11 @@ impl Brute<'_> {
                     SlotStatus::Active => modes.any(|mode| mode != Mode::Void),
                 }
             }
-            Atom::Handling { .. } | Atom::ControlBusy(_) | Atom::Client(..) => {
+            Atom::Handling { .. }
+            | Atom::ControlBusy(_)
+            | Atom::Client(..)
+            | Atom::Tick(_)
+            | Atom::Violated(_) => {
                 unreachable!("not generated")
             }
         }

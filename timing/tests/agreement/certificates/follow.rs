@@ -60,7 +60,7 @@ pub(super) fn run(
     let negated = |atom: &Predicate| Predicate::Not(Box::new(atom.clone()));
     let watched = Watched {
         reach: atoms.iter().flat_map(|atom| [atom.clone(), negated(atom)]).collect(),
-        within: Vec::new(),
+        ..Watched::default()
     };
     let mut values = vec![None; atoms.len()];
     let mut stepper = Stepper::new(system, &watched);

@@ -302,6 +302,9 @@ impl Interpreter<'_> {
             let older = |(stage, age)| (stage, u32::min(age + 1, CAP));
             *obligation = std::mem::take(obligation).into_iter().map(older).collect();
         }
+        for (memory, pattern) in n.patterns.iter_mut().zip(self.patterns) {
+            memory.pass(pattern);
+        }
         n
     }
 

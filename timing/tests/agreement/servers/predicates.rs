@@ -29,6 +29,8 @@ pub(crate) enum TaskIs {
     Waiting,
     Running,
     Active,
+    /// A period before its next tick.
+    Tick,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -123,6 +125,7 @@ fn fact(system: &System, path: &Path) -> (Fact, bool) {
             "idle" => TaskIs::Idle,
             "waiting" => TaskIs::Waiting,
             "running" => TaskIs::Running,
+            "tick" => TaskIs::Tick,
             _ => TaskIs::Active,
         };
         return (Fact::Task(c, t, is), true);
@@ -178,6 +181,7 @@ impl Interpreter<'_> {
             });
             now.obligations[i] = moved.filter(|at| at.0 < responses.len()).collect();
         }
+        self.remember(before, now);
     }
 
     pub(super) fn holds(&self, before: Option<&State>, now: &State, predicate: &Predicate) -> bool {
@@ -206,6 +210,11 @@ impl Interpreter<'_> {
                     TaskIs::Waiting => *phase == Phase::WaitingForCore,
                     TaskIs::Running => !matches!(phase, Phase::Idle | Phase::WaitingForCore),
                     TaskIs::Active => *phase != Phase::Idle,
+                    TaskIs::Tick => {
+                        let task = &s.components[c].tasks[t];
+                        task.timer.is_some()
+                            && task.timer == self.system.components[c].tasks[t].period
+                    }
                 }
             }
             &Fact::State(c, owner, state, at) => s.everybody(c).any(|who| {

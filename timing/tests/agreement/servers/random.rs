@@ -30,6 +30,8 @@ struct Known {
     requests: bool,
     /// Data flow, through ports and through variables of activities.
     chains: bool,
+    /// Checks of patterns.
+    patterns: bool,
     /// There is one component.
     alone: bool,
     /// Ports that codels of the present component may name.
@@ -47,6 +49,12 @@ pub(crate) fn texts(dice: &mut Dice) -> Texts {
 pub(crate) fn varied(dice: &mut Dice) -> Texts {
     let varied = Known { varied: true, ..Known::default() };
     draw(dice, varied)
+}
+
+/// Returns such a system with checks of patterns.
+pub(crate) fn patterned(dice: &mut Dice) -> Texts {
+    let (varied, periodic) = (dice.in_ten(4), dice.in_ten(4));
+    draw(dice, Known { varied, periodic, patterns: true, ..Known::default() })
 }
 
 /// Returns such a system with clients that abort, kill and connect, and wait for success or failure.
@@ -476,8 +484,51 @@ fn scenario(dice: &mut Dice, known: &Known) -> String {
             let _ = writeln!(out, " check w: within {p} => {q}{then};");
         }
     }
+    if known.patterns {
+        patterns(dice, known, &mut out);
+    }
     out.push_str("}\n");
     out
+}
+
+/// Adds a pattern of each form.
+fn patterns(dice: &mut Dice, known: &Known, out: &mut String) {
+    for (i, form) in [
+        "absent Q after P for T ms",
+        "lasts P >= T ms",
+        "P precedes Q",
+        "before P never Q",
+        "before P eventually Q",
+        "after P never Q",
+        "after P always Q",
+        "between P and Q never R",
+        "between P and Q always R",
+        "between P and Q eventually R",
+        "after P until Q never R",
+        "after P until Q always R",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let mut predicate = || match dice.below(6) {
+            0 if known.periodic => {
+                let tasks: Vec<&str> = known.tasks.iter().map(String::as_str).collect();
+                format!("{}.tick", dice.pick(&tasks))
+            }
+            1 => format!("({} and {})", predicate(dice, known), predicate(dice, known)),
+            _ => predicate(dice, known),
+        };
+        let [p, q, r] = std::array::from_fn(|_| predicate());
+        let time = 1 + dice.below(9);
+        let words = form.split(' ').map(|word| match word {
+            "P" => p.clone(),
+            "Q" => q.clone(),
+            "R" => r.clone(),
+            "T" => time.to_string(),
+            word => word.to_owned(),
+        });
+        let _ = writeln!(out, " check p{i}: {};", words.collect::<Vec<_>>().join(" "));
+    }
 }
 
 /// Adds a request that all components accept.

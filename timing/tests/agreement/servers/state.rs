@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use dotgen_timing::scn::semantics::TickRule;
 
 use super::model::{Action, System};
+use super::patterns::Memory;
 
 /// Age above which a time counts as unbounded.
 pub(crate) const CAP: u32 = 150;
@@ -193,6 +194,7 @@ pub(crate) struct State {
     pub(super) on: Vec<(usize, Who)>,
     /// Open obligations of each observer: number of responses so far, and age.
     pub(super) obligations: Vec<BTreeSet<(usize, u32)>>,
+    pub(super) patterns: Vec<Memory>,
 }
 
 impl State {
@@ -253,6 +255,7 @@ impl State {
             ready: Vec::new(),
             on: Vec::new(),
             obligations: vec![BTreeSet::new(); observers],
+            patterns: Vec::new(),
         }
     }
 

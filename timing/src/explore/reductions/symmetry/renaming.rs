@@ -160,6 +160,9 @@ impl Renaming {
             },
             Atom::ControlBusy(component) => Atom::ControlBusy(self.component(component)),
             Atom::Client(client, ref steps) => Atom::Client(self.client(client), steps.clone()),
+            Atom::Tick(task) => Atom::Tick(TaskId::from(self.task(usize::from(task)))),
+            // An exchange keeps each predicate of the monitor.
+            Atom::Violated(monitor) => Atom::Violated(monitor),
         }
     }
 }

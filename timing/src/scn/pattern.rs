@@ -1,0 +1,120 @@
+//! Patterns of predicates in time, as scenarios write them.
+
+use super::values::{Bound, Pred};
+
+/// A pattern of predicates in time, with the form in which it is written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pattern {
+    /// Form.
+    pub form: PatternForm,
+    /// What is watched for.
+    pub kind: MonitorKind,
+    /// The predicates of the kind, in its order.
+    pub predicates: Vec<Pred>,
+    /// Time of [`MonitorKind::Absent`].
+    pub time: Bound,
+}
+
+/// What a monitor watches for. *P*, *Q* and *R* are its predicates, in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum MonitorKind {
+    /// *Q* does not hold from a moment at which *P* becomes true until just before the time is over.
+    Absent,
+    /// *Q* does not hold before *P* has held.
+    Precedes,
+    /// Before *P* holds for the first time, *Q* does not hold.
+    NeverBefore,
+    /// From the first moment of *P* on, *Q* does not hold.
+    NeverAfter,
+    /// From *P* to the next *Q*, if that comes, *R* does not hold.
+    NeverBetween,
+    /// From *P* to the next *Q*, if that comes, *R* holds at some moment.
+    SomeBetween,
+    /// From *P* until the next *Q*, or for ever, *R* does not hold.
+    NeverUntil,
+}
+
+impl MonitorKind {
+    /// Returns the number of predicates.
+    pub fn predicates(self) -> usize {
+        use MonitorKind::{Absent, NeverAfter, NeverBefore, Precedes};
+        if matches!(self, Absent | Precedes | NeverBefore | NeverAfter) { 2 } else { 3 }
+    }
+}
+
+/// How a pattern is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PatternForm {
+    /// `within P => Q in [5, …] ms`: the lower bound.
+    Lower,
+    /// `absent Q after P for 10 ms`
+    Absent,
+    /// `lasts P >= 2 ms`
+    Lasts,
+    /// `P precedes Q`
+    Precedes,
+    /// `before P never Q`, `between P and Q always R` and the like.
+    Scope(ScopeWord),
+}
+
+/// What is claimed of the last predicate in a scope.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ScopeWord {
+    /// It does not hold.
+    Never,
+    /// It holds all the time. The predicate of the monitor is its negation.
+    Always,
+    /// It holds at some moment.
+    Eventually,
+}
+
+impl ScopeWord {
+    /// Returns the word as scenarios write it.
+    pub fn word(self) -> &'static str {
+        match self {
+            ScopeWord::Never => "never",
+            ScopeWord::Always => "always",
+            ScopeWord::Eventually => "eventually",
+        }
+    }
+}
+
+impl Pattern {
+    /// Returns the predicate without which the pattern says nothing about a run.
+    pub(crate) fn opening(&self) -> &Pred {
+        &self.predicates[usize::from(self.kind == MonitorKind::Precedes)]
+    }
+
+    /// Returns the pattern as it is written, normalised.
+    pub fn text(&self) -> String {
+        let of = |index: usize| self.predicates[index].text();
+        let part = |index: usize| match &self.predicates[index] {
+            pred @ (Pred::And(..) | Pred::Or(..)) => format!("({})", pred.text()),
+            pred => pred.text(),
+        };
+        let time =
+            self.time.map_or(String::new(), |(count, unit)| format!("{count} {}", unit.name()));
+        let word = match self.form {
+            PatternForm::Lower => return format!("{} => {} after {time}", of(0), of(1)),
+            PatternForm::Absent => {
+                return format!("absent {} after {} for {time}", part(1), part(0));
+            }
+            PatternForm::Lasts => return format!("lasts {} >= {time}", part(0)),
+            PatternForm::Precedes => return format!("{} precedes {}", part(0), part(1)),
+            PatternForm::Scope(word) => word,
+        };
+        let claimed = self.predicates.last().map_or(String::new(), |last| match (word, last) {
+            (ScopeWord::Always, Pred::Not(claimed)) => claimed.text(),
+            _ => last.text(),
+        });
+        let scope = match self.kind {
+            MonitorKind::NeverBefore => format!("before {}", part(0)),
+            MonitorKind::NeverBetween | MonitorKind::SomeBetween => {
+                format!("between {} and {}", part(0), part(1))
+            }
+            MonitorKind::NeverUntil => format!("after {} until {}", part(0), part(1)),
+            _ => format!("after {}", part(0)),
+        };
+        format!("{scope} {} {claimed}", word.word())
+    }
+}
