@@ -9,7 +9,10 @@ use super::width::wrapped;
 /// Commands by purpose, those of the first hour first.
 const COMMANDS: &[(&str, &[&str])] = &[
     ("First steps", &["new", "check", "codels", "verify", "run"]),
-    ("Specifications", &["fmt", "explain", "query", "deps", "diagram", "generate", "scenario"]),
+    (
+        "Specifications",
+        &["fmt", "explain", "query", "deps", "diagram", "generate", "scenario", "export"],
+    ),
     ("Running components", &["call", "watch", "write", "play"]),
     ("Recordings and times", &["monitor", "replay", "wcet"]),
     ("For tools", &["lsp", "mcp", "model", "tree", "completions", "man"]),
@@ -22,7 +25,7 @@ const RUN: &[Heading] = &[
     (
         "Run",
         &["clock", "simulate", "until", "inputs", "runs", "debug"],
-        &["seed", "durations", "on_violation", "stop_within"],
+        &["seed", "durations", "weights", "on_violation", "stop_within"],
     ),
     ("Real clock", &[], &["params", "engine_within", "host_within", "systemd"]),
     (
@@ -36,7 +39,7 @@ const RUN: &[Heading] = &[
 ];
 
 const VERIFY: &[Heading] = &[
-    ("Model", &["cores", "policy", "durations", "checks"], &["semantics", "without"]),
+    ("Model", &["cores", "policy", "durations", "checks"], &["semantics", "without", "xta"]),
     ("Limits", &["timeout"], &["max_states", "max_memory", "threads"]),
     ("Output", &["sensitivity", "trace"], &["explain", "certificate", "format"]),
 ];

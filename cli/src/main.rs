@@ -10,6 +10,7 @@ mod completions;
 mod deps;
 mod diagram;
 mod explain;
+mod export;
 mod fmt;
 mod generate;
 mod help;
@@ -31,6 +32,7 @@ mod run;
 mod scenario;
 mod session;
 mod suggestion;
+mod system_options;
 #[cfg(unix)]
 mod trace;
 mod tree;
@@ -77,6 +79,7 @@ enum Command {
     Model(model::Arguments),
     Verify(verify::Arguments),
     Scenario(scenario::Arguments),
+    Export(export::Arguments),
     Run(Box<run::Arguments>),
     #[cfg(unix)]
     Call(call::Call),
@@ -195,6 +198,7 @@ fn main() -> ExitCode {
         Command::Model(arguments) => model::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Scenario(arguments) => scenario::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         #[cfg(unix)]
         Command::Call(arguments) => call::call(&arguments),

@@ -15,13 +15,14 @@ use dotgen_recording::monitor::{Monitor, MonitorReport};
 use dotgen_recording::trace::Trace;
 use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::verify::{Interrupt, Options, SystemInput, prepare};
+use dotgen_timing::verify::{Interrupt, SystemInput, prepare};
 
 use super::outputs::{self, Output, PERFETTO};
 use super::run::bounds;
 use super::session::{display, is_standard_input};
+use super::system_options::SystemOptions;
 use super::verify::diagnostics::ScenarioDiagnostics;
-use super::verify::{Cores, PolicyName, SemanticsName, cores, interrupt, one_problem};
+use super::verify::{interrupt, one_problem};
 use super::wcet::{CHUNK_BYTES, InputFiles, input_files, open, read_log};
 use super::{Outcome, SpecificationOptions, report};
 use dotgen_platform::files::disk::Stream;
@@ -50,17 +51,8 @@ pub(super) struct Arguments {
     #[arg(long)]
     follow: bool,
 
-    /// Number of cores, or `free` for one core per task
-    #[arg(long, value_name = "N|free", value_parser = cores)]
-    cores: Option<Cores>,
-
-    /// Semantics of the model
-    #[arg(long, value_enum)]
-    semantics: Option<SemanticsName>,
-
-    /// Order in which tasks get a core
-    #[arg(long, value_enum)]
-    policy: Option<PolicyName>,
+    #[command(flatten)]
+    system: SystemOptions,
 
     /// Bounds to compare response times with
     #[arg(long, value_enum, default_value_t = bounds::Source::Proved)]
@@ -98,12 +90,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         trace.map(|path| Output { path, endings: &[PERFETTO] }).collect();
     let read = problem.files().chain(files.logs.iter().map(camino::Utf8PathBuf::as_path));
     outputs::check(&written, read)?;
-    let options = Options {
-        cores: arguments.cores.map(|core| core.0),
-        policy: arguments.policy.map(PolicyName::policy),
-        semantics: arguments.semantics.map(SemanticsName::preset),
-        ..Options::default()
-    };
+    let options = arguments.system.options();
     let input = SystemInput { specs: problem.specs() };
     let prepared = prepare(&input, &problem.scenario, &options);
     if prepared.report.has_errors() {

@@ -13,12 +13,13 @@ use dotgen_recording::replay::{
 use dotgen_runtime::refine;
 use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::system::ClientId;
-use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
+use dotgen_timing::verify::{Prepared, SystemInput, prepare};
 
 use super::outputs::MCAP;
 use super::session::display;
+use super::system_options::SystemOptions;
 use super::verify::diagnostics::ScenarioDiagnostics;
-use super::verify::{Cores, PolicyName, SemanticsName, cores, one_problem};
+use super::verify::one_problem;
 use super::wcet::unreadable;
 use super::{Outcome, SpecificationOptions, report};
 
@@ -38,17 +39,8 @@ pub(super) struct Arguments {
     #[arg(value_name = "FILE", required = true)]
     files: Vec<Utf8PathBuf>,
 
-    /// Number of cores, or `free` for one core per task
-    #[arg(long, value_name = "N|free", value_parser = cores)]
-    cores: Option<Cores>,
-
-    /// Semantics of the model
-    #[arg(long, value_enum)]
-    semantics: Option<SemanticsName>,
-
-    /// Order in which tasks get a core
-    #[arg(long, value_enum)]
-    policy: Option<PolicyName>,
+    #[command(flatten)]
+    system: SystemOptions,
 
     /// Output format
     #[arg(long, value_enum, default_value_t = Format::Text)]
@@ -92,12 +84,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let Some((session, problem)) = one_problem(&texts, &arguments.reading)? else {
         return Ok(Outcome::Unusable);
     };
-    let options = Options {
-        cores: arguments.cores.map(|core| core.0),
-        policy: arguments.policy.map(PolicyName::policy),
-        semantics: arguments.semantics.map(SemanticsName::preset),
-        ..Options::default()
-    };
+    let options = arguments.system.options();
     let input = SystemInput { specs: problem.specs() };
     let mut prepared = prepare(&input, &problem.scenario, &options);
     if prepared.report.has_errors() {

@@ -19,20 +19,27 @@ use std::io::Write;
 
 use camino::Utf8PathBuf;
 use clap::{Args, ValueEnum};
+use dotgen_analysis::host::FileContent;
 use dotgen_analysis::model::Seconds;
+use dotgen_platform::files::vfs;
 use dotgen_runtime::decide;
 use dotgen_runtime::engine::End;
 use dotgen_runtime::report::RunReport;
 use dotgen_runtime::simulation::Plan;
+use dotgen_runtime::weights::{BadLine, Weights};
 use dotgen_timing::scn::ast::Unit;
 use dotgen_timing::verify::{Options, Prepared};
 use num_rational::Ratio;
 
 use super::outputs::{self, MCAP, Output, PERFETTO, VIEWER};
-use super::verify::{Cores, PolicyName, SemanticsName, body, cores, interrupt, problems};
+use super::system_options::SystemOptions;
+use super::verify::{body, interrupt, problems};
 use super::{Outcome, SpecificationOptions, report};
 use dotgen_views::verification::Problem;
 use scenario::{Ended, one};
+
+/// Greatest size of a file of weights, in bytes.
+const MAX_WEIGHTS: usize = 1 << 20;
 
 /// Run components and watch the checks of a scenario
 ///
@@ -127,21 +134,16 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     seed: u64,
 
+    /// Draw yields of simulated codels by weights: a file of `OWNER::COMP_STATE::COMP_STATE COUNT`
+    #[arg(long, value_name = "FILE")]
+    weights: Option<Utf8PathBuf>,
+
     /// Execution times on the virtual clock, and of simulated codels, within their intervals
     #[arg(long, value_enum, default_value_t = DurationsName::Random)]
     durations: DurationsName,
 
-    /// Number of cores, or `free` for one core per task
-    #[arg(long, value_name = "N|free", value_parser = cores)]
-    cores: Option<Cores>,
-
-    /// Semantics of the model
-    #[arg(long, value_enum)]
-    semantics: Option<SemanticsName>,
-
-    /// Order in which tasks get a core
-    #[arg(long, value_enum)]
-    policy: Option<PolicyName>,
+    #[command(flatten)]
+    system: SystemOptions,
 
     /// Watch CHECK instead of the scenario's checks, for example "response arm.motion <= 5 ms"
     #[arg(long = "check", value_name = "CHECK", action = clap::ArgAction::Append)]
@@ -496,7 +498,27 @@ impl Arguments {
         }
     }
 
-    fn plan(&self, prepared: &Prepared) -> Plan {
+    /// Reads the weights of yields, and names the lines that the system does not have.
+    fn read_weights(&self, prepared: &Prepared) -> anyhow::Result<Option<Weights>> {
+        let Some(path) = &self.weights else { return Ok(None) };
+        let text = match vfs::read(path) {
+            FileContent::Text(text) if text.len() <= MAX_WEIGHTS => text,
+            FileContent::Text(_) => anyhow::bail!("`{path}` is larger than 1 MB"),
+            FileContent::Missing => {
+                anyhow::bail!("cannot read `{path}`: no such file or directory")
+            }
+            _ => anyhow::bail!("cannot read `{path}`: it is not a text in UTF-8"),
+        };
+        let at = |bad: &BadLine| format!("{path}:{}: {}", bad.line, bad.what);
+        let (weights, unknown) = Weights::parse(&text, &prepared.built.system)
+            .map_err(|bad| anyhow::anyhow!("{}", at(&bad)))?;
+        for bad in &unknown {
+            report::note(&format!("{} of these components: ignored", at(bad)));
+        }
+        Ok(Some(weights))
+    }
+
+    fn plan<'w>(&self, prepared: &Prepared, weights: Option<&'w Weights>) -> Plan<'w> {
         let ten_seconds = Ratio::from_integer(10);
         Plan {
             until: match (self.until, self.clock) {
@@ -506,6 +528,7 @@ impl Arguments {
             },
             runs: self.runs,
             seed: self.seed,
+            weights,
             durations: match self.durations {
                 DurationsName::Worst => decide::Durations::Worst,
                 DurationsName::Random => decide::Durations::Random,

@@ -8,6 +8,7 @@ mod json;
 mod limits;
 mod table;
 pub(super) mod text;
+mod xta;
 
 use std::time::Duration;
 
@@ -21,14 +22,14 @@ use dotgen_timing::derive::Sensitivity;
 use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::explore::{Kind, Limits};
 use dotgen_timing::report::Report;
-use dotgen_timing::scn::ast::{Check, Durations, Policy};
-use dotgen_timing::scn::semantics::Preset;
+use dotgen_timing::scn::ast::Check;
 use dotgen_timing::scn::{Platform, parse_check};
 use dotgen_timing::verify::{Cancel, Interrupt, Options, settings};
 
 use self::diagnostics::ScenarioDiagnostics;
 use super::outputs::{self, Output, VIEWER};
 use super::session::{self, ErrorReporter, Session, SourceFile};
+use super::system_options::{DurationsName, SystemOptions};
 use super::{Outcome, SpecificationOptions, report, trace};
 use crate::progress::{self, Activity};
 use dotgen_platform::files::vfs;
@@ -55,21 +56,16 @@ pub(super) struct Arguments {
     #[arg(value_name = "FILE")]
     files: Vec<Utf8PathBuf>,
 
-    /// Number of cores, or `free` for one core per task
-    #[arg(long, value_name = "N|free", value_parser = cores)]
-    cores: Option<Cores>,
-
-    /// Semantics of the model
-    #[arg(long, value_enum)]
-    semantics: Option<SemanticsName>,
-
-    /// Order in which tasks get a core
-    #[arg(long, value_enum)]
-    policy: Option<PolicyName>,
+    #[command(flatten)]
+    system: SystemOptions,
 
     /// Execution times of codels
     #[arg(long, value_enum)]
     durations: Option<DurationsName>,
+
+    /// Answer queries about a network of timed automata in UPPAAL's format: those of `--check`, or of FILE.q
+    #[arg(long, value_name = "FILE.xta", conflicts_with = "files")]
+    xta: Option<Utf8PathBuf>,
 
     /// Check CHECK instead of the scenario's checks, for example "response arm.motion <= 5 ms"
     #[arg(long = "check", value_name = "CHECK", action = clap::ArgAction::Append)]
@@ -129,62 +125,6 @@ enum Format {
     Json,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Cores(pub(super) Option<u32>);
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(super) enum SemanticsName {
-    /// The servers that GenoM3 generates
-    Servers,
-    /// The published formal models
-    Published,
-}
-
-impl SemanticsName {
-    pub(super) fn preset(self) -> Preset {
-        match self {
-            SemanticsName::Servers => Preset::Servers,
-            SemanticsName::Published => Preset::Published,
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(super) enum PolicyName {
-    /// First come, first served
-    Fifo,
-    /// Earliest deadline first
-    Edf,
-    /// Any ready task, without preemption
-    Any,
-    /// The ready tasks of highest priority, with preemption
-    Priority,
-    /// Any ready tasks, with preemption
-    Fair,
-}
-
-impl PolicyName {
-    pub(super) fn policy(self) -> Policy {
-        match self {
-            PolicyName::Fifo => Policy::Fifo,
-            PolicyName::Edf => Policy::Edf,
-            PolicyName::Any => Policy::Any,
-            PolicyName::Priority => Policy::Priority,
-            PolicyName::Fair => Policy::Fair,
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum DurationsName {
-    /// From 0, or the minimum in the scenario, to the WCET
-    Interval,
-    /// Always the WCET
-    Fixed,
-    /// Greater than 0, up to the WCET
-    Open,
-}
-
 /// Maximum number of states for a specification without a scenario. Its client may send any request, and a
 /// longer search seldom finds more.
 const MAX_DEFAULT_STATES: usize = 25_000;
@@ -213,15 +153,6 @@ struct Answer {
     limits: Option<Slacks>,
 }
 
-pub(super) fn cores(text: &str) -> Result<Cores, String> {
-    match text.parse::<u32>() {
-        _ if text == "free" => Ok(Cores(None)),
-        Ok(0) => Err("a system needs at least one core".to_owned()),
-        Ok(n) => Ok(Cores(Some(n))),
-        Err(_) => Err("give a number of cores, or `free`".to_owned()),
-    }
-}
-
 fn threads(text: &str) -> Result<usize, String> {
     let threads = text.parse().ok().filter(|&index| index > 0);
     threads.ok_or_else(|| "give a number of threads from 1 on".to_owned())
@@ -241,6 +172,9 @@ fn seconds(text: &str) -> Result<Duration, String> {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    if let Some(file) = &arguments.xta {
+        return xta::run(file, arguments);
+    }
     let checks: Vec<&str> = arguments.checks.iter().map(|check| body(check)).collect();
     checks.iter().try_for_each(|wanted| check(wanted, 0).map(drop))?;
     let mut answers = Vec::new();
@@ -450,16 +384,10 @@ impl Arguments {
             ..Limits::default()
         };
         Ok(Options {
-            cores: self.cores.map(|core| core.0),
-            policy: self.policy.map(PolicyName::policy),
-            semantics: self.semantics.map(SemanticsName::preset),
-            durations: self.durations.map(|duration| match duration {
-                DurationsName::Interval => Durations::Interval,
-                DurationsName::Fixed => Durations::Fixed,
-                DurationsName::Open => Durations::Open,
-            }),
+            durations: self.durations.map(DurationsName::durations),
             checks: parsed(checks, problem)?,
             limits,
+            ..self.system.options()
         })
     }
 }

@@ -280,3 +280,15 @@ fn dots_stand_for_any_text_and_any_lines() {
     let commands: Vec<&str> = steps.iter().map(|step| step.command.as_str()).collect();
     assert_eq!(commands, ["cat <<'EOF'\n$ x\nEOF", "x"]);
 }
+
+#[test]
+fn each_command_about_formal_models_prints_what_the_page_says() {
+    if !installed(&["bash"]) {
+        return;
+    }
+    let steps = steps(include_str!("../../docs/formal.md"));
+    assert!(steps.len() > 5, "the commands are found");
+    let mut shell = Shell::new();
+    shell.link(&["examples"]);
+    shell.follow("docs/formal.md", &steps);
+}

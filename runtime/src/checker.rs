@@ -58,6 +58,8 @@ pub struct CheckResult {
     pub greatest: Option<Ticks>,
     /// Number of violations.
     pub violations: u64,
+    /// Number of runs in which the check was violated, or the expected event was seen.
+    pub in_runs: u64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -105,6 +107,8 @@ pub struct RunChecker<'p> {
     beyond: Vec<bool>,
     /// Checks whose predicate was true in this run.
     reached: Vec<bool>,
+    /// Checks that were violated in this run.
+    violated: Vec<bool>,
 }
 
 impl<'p> RunChecker<'p> {
@@ -126,6 +130,7 @@ impl<'p> RunChecker<'p> {
             exceeded: vec![false; prepared.checks.len()],
             beyond: vec![false; bounds.len()],
             reached: vec![false; prepared.checks.len()],
+            violated: vec![false; prepared.checks.len()],
             violations: Vec::new(),
             times: Vec::new(),
             broken: Vec::new(),
@@ -325,6 +330,10 @@ impl<'p> RunChecker<'p> {
 
     /// Prepares for the next run.
     pub(crate) fn next_run(&mut self) {
+        for (check, answer) in self.answers.iter_mut().enumerate() {
+            answer.in_runs += u64::from(self.reached[check] || self.violated[check]);
+        }
+        self.violated.fill(false);
         self.exceeded.fill(false);
         self.beyond.fill(false);
         self.gone.fill(false);
@@ -414,6 +423,7 @@ impl<'p> RunChecker<'p> {
     fn violate(&mut self, now: Moment, check: usize) {
         let answer = &mut self.answers[check];
         answer.violations += 1;
+        self.violated[check] = true;
         if answer.verdict != Verdict::Violated {
             answer.verdict = Verdict::Violated;
             answer.at = Some(now);

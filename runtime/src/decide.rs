@@ -4,6 +4,8 @@ use dotgen_timing::explore::Work;
 use dotgen_timing::system::{ClientAction, FOREVER, Machine, MachineId, Ticks, TimedSystem, Yield};
 use typed_index_collections::TiVec;
 
+use crate::weights::Weights;
+
 /// Chooses between possible actions. Every choice leads to a run of the system.
 pub trait Decide {
     /// Returns the index of the action that comes first, among `steps` simultaneous actions.
@@ -50,6 +52,7 @@ pub struct RandomDecisions<'s> {
     max_extra_time: Ticks,
     /// By machine and state, whether the machine can go on for ever from there.
     goes_on: TiVec<MachineId, Vec<bool>>,
+    weights: Option<&'s Weights>,
     dice: fastrand::Rng,
 }
 
@@ -59,10 +62,34 @@ impl<'s> RandomDecisions<'s> {
         RandomDecisions {
             max_extra_time: max_extra_time(system),
             goes_on: system.machines.iter().map(goes_on).collect(),
+            weights: None,
             dice: fastrand::Rng::with_seed(seed),
             durations,
             system,
         }
+    }
+
+    /// Draws yields by weights, where there are some. A codel with weights throws no exception.
+    pub fn with_weights(self, weights: Option<&'s Weights>) -> Self {
+        RandomDecisions { weights, ..self }
+    }
+
+    /// Returns the place of an outcome drawn by weights; `None` if the work has none.
+    fn weighted(&mut self, work: &Work, outcomes: &[usize]) -> Option<usize> {
+        let Work::State { automaton, state, .. } = *work else { return None };
+        let weights = self.weights?.of(self.system.automata[automaton].machine, state)?;
+        let weight = |outcome: &usize| weights.get(*outcome).copied().unwrap_or(0);
+        let sum = outcomes.iter().map(weight).sum::<u64>();
+        if sum == 0 {
+            return None;
+        }
+        let mut rest = self.dice.u64(..sum);
+        outcomes.iter().position(|outcome| {
+            let own = weight(outcome);
+            let is_drawn = rest < own;
+            rest = rest.saturating_sub(own);
+            is_drawn
+        })
     }
 
     /// Returns true if a permanent activity does not end for ever with an outcome. `stop` is what ends a run,
@@ -157,6 +184,9 @@ impl Decide for RandomDecisions<'_> {
     fn outcome(&mut self, work: &Work, outcomes: &[usize]) -> usize {
         if outcomes.len() < 2 {
             return 0;
+        }
+        if let Some(place) = self.weighted(work, outcomes) {
+            return place;
         }
         let going: Vec<usize> =
             (0..outcomes.len()).filter(|&place| self.keeps_going(work, outcomes[place])).collect();

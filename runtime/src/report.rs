@@ -11,6 +11,7 @@ use crate::checker::{Idle, Moment, RunChecker, Verdict, Violation};
 use crate::counts::{MachineCounts, PortCounts, TaskCounts, machines, tasks};
 use crate::decide::Durations;
 use crate::engine::End;
+use crate::estimate::{CONFIDENCE, Estimate};
 use crate::port_writes::Port;
 use crate::simulation::{Plan, SimulationResult};
 use crate::tally::Tally;
@@ -127,6 +128,10 @@ pub struct CheckOutcome {
     pub at: Option<RunMoment>,
     /// Number of violations.
     pub violations: u64,
+    /// Of several runs with random choices: the probability that a run violates the check, or shows the
+    /// expected event. It is about the choices as they are drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub probability: Option<Estimate>,
 }
 
 #[derive(Debug, Clone, Copy, Serialize)]
@@ -325,7 +330,7 @@ fn together(violations: u64, checks: &[CheckOutcome]) -> Verdict {
 
 struct ReportBuilder<'r> {
     prepared: &'r Prepared,
-    plan: &'r Plan,
+    plan: &'r Plan<'r>,
 }
 
 impl ReportBuilder<'_> {
@@ -365,6 +370,8 @@ impl ReportBuilder<'_> {
                 exceeded: (limit.zip(greatest)).is_some_and(|pair| pair.0.is_exceeded_by(pair.1)),
                 at: answer.at.map(|moment| self.at(moment)),
                 violations: answer.violations,
+                probability: (outcome.runs > 1)
+                    .then(|| Estimate::of(answer.in_runs, outcome.runs, CONFIDENCE)),
             }
         });
         checks.collect()

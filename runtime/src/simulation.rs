@@ -19,10 +19,11 @@ use crate::progress::{ActivityStates, ProgressReceiver};
 use crate::real_clock::{self, Pace};
 use crate::tally::Tally;
 use crate::watch::{CodelViolation, PortUpdate, RunObserver};
+use crate::weights::Weights;
 
 /// The plan of a simulation.
 #[derive(Debug, Clone, Copy)]
-pub struct Plan {
+pub struct Plan<'w> {
     /// Duration of each run, in base units.
     pub until: u64,
     /// Number of runs, each from the start. The first run has the seed, later runs have the seeds that
@@ -32,6 +33,8 @@ pub struct Plan {
     pub seed: u64,
     /// Choice of execution times.
     pub durations: Durations,
+    /// Weights of yields.
+    pub weights: Option<&'w Weights>,
     /// End at the first violation.
     pub stop_at_violation: bool,
     /// Keep the actions of the first run, to describe it.
@@ -161,7 +164,8 @@ pub fn simulate_recorded<'p, W: Write>(
     let mut runs = 0;
     while runs < plan.runs {
         let seed = plan.seed.wrapping_add(runs);
-        let mut dice = RandomDecisions::new(system, plan.durations, seed);
+        let mut dice =
+            RandomDecisions::new(system, plan.durations, seed).with_weights(plan.weights);
         end = one_run(
             &mut stepper,
             &mut dice,

@@ -154,6 +154,7 @@ fn run(
         runs: 1,
         seed,
         durations: Durations::Random,
+        weights: None,
         stop_at_violation: false,
         record: false,
     };

@@ -44,8 +44,15 @@ fn compare(seed: u64, texts: &random::Texts) -> Option<usize> {
     assert_eq!(prepared.checks.len(), proved.checks.len(), "{}", shown());
     let tasks = prepared.built.system.tasks.len();
     for durations in [Durations::Worst, Durations::Random, Durations::Best] {
-        let plan =
-            Plan { until: 400, runs: 4, seed, durations, stop_at_violation: false, record: false };
+        let plan = Plan {
+            until: 400,
+            runs: 4,
+            seed,
+            durations,
+            weights: None,
+            stop_at_violation: false,
+            record: false,
+        };
         let none: Option<&mut dotgen_runtime::profile::Profile<Vec<u8>>> = None;
         let outcome = simulate(&prepared, vec![None; tasks], &plan, none, None, &|| false);
         assert!(
@@ -146,6 +153,7 @@ fn refused_requests_are_counted_whatever_refuses_them() {
             runs: 1,
             seed: 0,
             durations: Durations::Worst,
+            weights: None,
             stop_at_violation: false,
             record: false,
         };
@@ -179,8 +187,15 @@ fn each_run_takes_its_measures() {
         on violation of slow { send a.go; } }";
     let prepared = prepare(&input, &parse(text).scenario, &Options::default());
     let durations = Durations::Worst;
-    let plan =
-        Plan { until: 100, runs: 3, seed: 0, durations, stop_at_violation: false, record: false };
+    let plan = Plan {
+        until: 100,
+        runs: 3,
+        seed: 0,
+        durations,
+        weights: None,
+        stop_at_violation: false,
+        record: false,
+    };
     let none: Option<&mut dotgen_runtime::profile::Profile<Vec<u8>>> = None;
     let outcome = simulate(&prepared, vec![None; 1], &plan, none, None, &|| false);
     let services = prepared.built.system.services.iter_enumerated();

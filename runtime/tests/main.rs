@@ -8,6 +8,7 @@ mod recorded;
 mod replayed;
 #[path = "support/simulated_hosts.rs"]
 mod simulated_hosts;
+mod weights;
 
 // The random texts use the path `super::super::systems`.
 use random_systems::systems;

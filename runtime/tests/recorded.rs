@@ -44,8 +44,15 @@ impl Recorder {
         let input = self.input();
         let names = Names::new(&input.specs);
         let mut profile = Profile::new(system, functions(system, &names), Vec::new());
-        let plan =
-            Plan { until, runs: 1, seed, durations, stop_at_violation: false, record: false };
+        let plan = Plan {
+            until,
+            runs: 1,
+            seed,
+            durations,
+            weights: None,
+            stop_at_violation: false,
+            record: false,
+        };
         let none = vec![None; system.tasks.len()];
         simulate(prepared, none, &plan, Some(&mut profile), None, &|| false);
         let (log, _) = profile.finish().expect("memory is written");

@@ -52,7 +52,15 @@ impl Record for Recording<'_> {
 
 fn record(prepared: &Prepared, until: u64, seed: u64, durations: Durations) -> (Vec<Step>, u64) {
     let system = &prepared.built.system;
-    let plan = Plan { until, runs: 1, seed, durations, stop_at_violation: false, record: false };
+    let plan = Plan {
+        until,
+        runs: 1,
+        seed,
+        durations,
+        weights: None,
+        stop_at_violation: false,
+        record: false,
+    };
     let mut recording = Recording::new(system);
     let none: Option<&mut Profile<Vec<u8>>> = None;
     let bounds = vec![None; system.tasks.len()];

@@ -141,7 +141,8 @@ impl Context<'_, '_> {
         prepared: &Prepared,
         files: &mut Files<'_>,
     ) -> anyhow::Result<Run> {
-        let plan = arguments.plan(prepared);
+        let weights = arguments.read_weights(prepared)?;
+        let plan = arguments.plan(prepared, weights.as_ref());
         let system = &prepared.built.system;
         let mut profile = self.profile(prepared, files.runs.as_mut(), None, None)?;
         let interrupted = || self.interrupt.is_raised();
@@ -354,7 +355,8 @@ impl Context<'_, '_> {
             None
         };
         let server = serving.as_ref().map(|start| &start.server);
-        let plan = arguments.plan(&opened);
+        let weights = arguments.read_weights(&opened)?;
+        let plan = arguments.plan(&opened, weights.as_ref());
         let grown = |ticks: &Option<Ticks>| ticks.map(|tick| tick.saturating_mul(factor));
         let bounds: Vec<_> = self.bounds.iter().map(grown).collect();
         let followers = server.map(|server| Box::new(server.followers()) as Box<dyn Write>);

@@ -12,7 +12,7 @@ use super::{Answer, Arguments, Clock, Contents, Format, Simulate, WrittenFile, b
 use crate::outputs::PERFETTO;
 use crate::session::{ErrorReporter, Session};
 use crate::verify::diagnostics::ScenarioDiagnostics;
-use crate::verify::{PolicyName, SemanticsName, parsed};
+use crate::verify::parsed;
 use crate::{Outcome, report, trace};
 
 /// The end of the run of one scenario.
@@ -35,13 +35,7 @@ pub(super) fn one(
         ScenarioDiagnostics::about(session, &problem, problem.errors.clone())?.print()?;
         return Ok(Ended::Unusable);
     }
-    let options = Options {
-        cores: arguments.cores.map(|core| core.0),
-        policy: arguments.policy.map(PolicyName::policy),
-        semantics: arguments.semantics.map(SemanticsName::preset),
-        checks: parsed(checks, &problem)?,
-        ..Options::default()
-    };
+    let options = Options { checks: parsed(checks, &problem)?, ..arguments.system.options() };
     let input = SystemInput { specs: problem.specs() };
     let prepared = prepare(&input, &problem.scenario, &options);
     let has_errors = prepared.report.has_errors();

@@ -237,10 +237,19 @@ fn checks(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::
             title(check),
             value(check.greatest, unit),
             value(check.limit, unit),
+            check.probability.map_or(String::new(), |it| format!("{:.4} … {:.4}", it.low, it.high)),
         ]
     });
     let rows: Vec<_> = rows.collect();
-    table(out, &["verdict", "check", "greatest", "limit"], &rows)?;
+    table(out, &["verdict", "check", "greatest", "limit", "probability"], &rows)?;
+    if let Some(estimate) = report.checks.iter().find_map(|check| check.probability) {
+        let line = format!(
+            "probability: that a run violates the check, or sees the expected event, with the choices as \
+             they are drawn; {} % confidence",
+            100.0 * estimate.confidence
+        );
+        writeln!(out, "{FAINT}{}{FAINT:#}", wrapped(&line, 0, 2))?;
+    }
     for check in &report.checks {
         if let Some(why) = &check.why {
             let line = format!("{OPEN}not exercised{OPEN:#} {}: {why}", title(check));

@@ -1,0 +1,125 @@
+//! `dotgen export`: formal models for tools of others.
+
+use anyhow::{Context, bail};
+use camino::{Utf8Path, Utf8PathBuf};
+use clap::{Args, ValueEnum};
+use dotgen_analysis::host::FileContent;
+use dotgen_analysis::model::Src;
+use dotgen_export::{Format, export};
+use dotgen_platform::files::vfs;
+use dotgen_timing::diagnostic::remark::together;
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::verify::{Options, SystemInput, prepare};
+
+use super::system_options::{DurationsName, SystemOptions};
+use super::verify::diagnostics::ScenarioDiagnostics;
+use super::verify::{body, one_problem, parsed};
+use super::{Outcome, SpecificationOptions, report, session};
+
+/// Words of the first lines of each file that the command writes.
+const MARK: &str = "written by dotgen export";
+
+/// Write the formal model of a scenario for UPPAAL or TChecker
+///
+/// The model has cores, policy, clients, durations and checks of the scenario. What the format cannot say is
+/// an error that names it; nothing is left out.
+///
+/// Exit status: 0 if the model is written, 2 if not.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// The tool
+    #[arg(value_name = "TOOL", value_enum)]
+    tool: Tool,
+
+    /// A scenario (.scn), or specifications (.gen)
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<Utf8PathBuf>,
+
+    /// Write the files into DIR
+    #[arg(long, short, value_name = "DIR", default_value = ".")]
+    output: Utf8PathBuf,
+
+    #[command(flatten)]
+    system: SystemOptions,
+
+    /// Execution times of codels
+    #[arg(long, value_enum)]
+    durations: Option<DurationsName>,
+
+    /// Export CHECK instead of the scenario's checks, for example "response arm.motion <= 5 ms"
+    #[arg(long = "check", value_name = "CHECK", action = clap::ArgAction::Append)]
+    checks: Vec<String>,
+
+    #[command(flatten)]
+    reading: SpecificationOptions,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Tool {
+    /// Network and queries (.xta, .q) of UPPAAL
+    Uppaal,
+    /// Network of TChecker (.tck), a label for each query
+    Tchecker,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let Some((session, problem)) = one_problem(&arguments.files, &arguments.reading)? else {
+        return Ok(Outcome::Unusable);
+    };
+    let checks: Vec<&str> = arguments.checks.iter().map(|check| body(check)).collect();
+    let options = Options {
+        durations: arguments.durations.map(DurationsName::durations),
+        checks: parsed(&checks, &problem)?,
+        ..arguments.system.options()
+    };
+    let input = SystemInput { specs: problem.specs() };
+    let prepared = prepare(&input, &problem.scenario, &options);
+    let told = together(&prepared.report.diagnostics);
+    ScenarioDiagnostics::by_verifier(&session, &problem, &told, &checks)?.print()?;
+    if prepared.report.has_errors() {
+        return Ok(Outcome::Unusable);
+    }
+    let names = Names::new(&input.specs);
+    let place = |component: usize, src: Src| {
+        let (path, range) = problem.place(names.components.get(component)?.spec_index, src)?;
+        let text = session.ask(&path, |analysis| analysis.text(&path)).ok()??;
+        let line = 1 + text.get(..range.start)?.matches('\n').count();
+        Some(format!("{}:{line}", path.file_name()?))
+    };
+    let format = match arguments.tool {
+        Tool::Uppaal => Format::Uppaal,
+        Tool::Tchecker => Format::TChecker,
+    };
+    let files = match export(&prepared, &place, format) {
+        Ok(files) => files,
+        Err(refusals) => {
+            for refusal in refusals {
+                report::note(&refusal.to_string());
+            }
+            bail!("nothing was written: the model would not be that of `dotgen verify`");
+        }
+    };
+    std::fs::create_dir_all(&arguments.output)
+        .with_context(|| format!("cannot create `{}`", arguments.output))?;
+    let paths: Vec<Utf8PathBuf> =
+        files.iter().map(|file| arguments.output.join(&file.name)).collect();
+    paths.iter().try_for_each(|path| check_is_own(path))?;
+    let contents = files.iter().zip(&paths);
+    let contents = contents.map(|(file, path)| report::new_content(path, &file.text)).collect();
+    report::write_files(contents, &[])?;
+    for path in &paths {
+        report::note(&format!("wrote `{}`", session::display(path)));
+    }
+    Ok(Outcome::Fine)
+}
+
+/// Checks that a file is missing, or was written by an earlier export.
+fn check_is_own(path: &Utf8Path) -> anyhow::Result<()> {
+    match vfs::read(path) {
+        FileContent::Missing => Ok(()),
+        FileContent::Text(text) if text.lines().take(3).any(|line| line.contains(MARK)) => Ok(()),
+        _ => bail!(
+            "`{path}` exists and is not from an earlier export; choose another folder with `-o`"
+        ),
+    }
+}
