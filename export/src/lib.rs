@@ -43,6 +43,10 @@ pub fn export(
     format: Format,
 ) -> Result<Vec<File>, Vec<Refusal>> {
     let network = translate(prepared, place)?;
+    let is_deadlock = |query: &model::Query| matches!(query.kind, model::QueryKind::Lively { .. });
+    if format == Format::TChecker && network.queries.iter().any(is_deadlock) {
+        return Err(vec![Refusal::new("deadlock (TChecker has no such query)", None)]);
+    }
     Ok(match format {
         Format::Uppaal => uppaal::print(&network),
         Format::TChecker => vec![tchecker::print(&network)],

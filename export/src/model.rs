@@ -176,6 +176,8 @@ pub enum QueryKind {
     Never { process: String, location: String },
     /// A location that must be reachable.
     Reachable { process: String, location: String },
+    /// Some action always follows, now or later, while a process is in a location.
+    Lively { process: String, location: String },
     /// The greatest value of each clock while its condition holds.
     Greatest(Vec<(Guard, String)>),
 }
@@ -296,6 +298,12 @@ impl Term {
     /// Returns the update that gives the variable or element a value.
     pub fn set(self, value: impl Into<Term>) -> Update {
         Update::Set(self, value.into())
+    }
+
+    /// Returns the update that gives the variable or element 1 if a condition holds, else 0.
+    pub fn set_to(self, condition: Guard) -> Update {
+        let (yes, no) = (Box::new(1_usize.into()), Box::new(0_usize.into()));
+        Update::Set(self, Term::If(Box::new(condition), yes, no))
     }
 
     /// Returns the update that gives the variable or element a value if a condition holds.

@@ -50,8 +50,9 @@ fn queries(network: &Network, out: &mut String) {
     for query in &network.queries {
         let location = match &query.kind {
             QueryKind::Never { location, .. } | QueryKind::Reachable { location, .. } => location,
-            // TChecker has no such query; the limit of the check has one.
-            QueryKind::Greatest(_) => continue,
+            // TChecker has no such query. The limit of a check of a time has one, and a check of deadlocks is
+            // refused.
+            QueryKind::Greatest(_) | QueryKind::Lively { .. } => continue,
         };
         comment(out, "");
         comment(out, &format!("{}: tck-reach -l {location}", query.name));

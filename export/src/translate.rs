@@ -13,11 +13,13 @@ mod client;
 mod control;
 mod declare;
 mod layout;
+mod monitors;
 mod names;
 mod predicates;
 mod refusals;
 mod requests;
 mod scheduler;
+mod sequences;
 mod task;
 mod timer;
 

@@ -159,6 +159,9 @@ fn queries(network: &Network) -> String {
             QueryKind::Reachable { process, location } => {
                 let _ = writeln!(out, "E<> {process}.{location}");
             }
+            QueryKind::Lively { process, location } => {
+                let _ = writeln!(out, "A[] not (deadlock and {process}.{location})");
+            }
             QueryKind::Greatest(clocks) => {
                 for (condition, clock) in clocks {
                     let _ = writeln!(out, "sup{{{}}}: {clock}", guard(condition));

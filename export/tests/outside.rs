@@ -72,6 +72,17 @@ fn examples() {
     judge(&scenarios, SECONDS, &Options::default());
 }
 
+#[test]
+fn checks() {
+    let Some(program) = std::env::var_os("DOTGEN_TCHECKER") else {
+        return dotgen_loaders::skip("DOTGEN_TCHECKER names no program `tck-reach`");
+    };
+    let mut counts = Counts::default();
+    let asked = (Path::new(&program), FEW_SECONDS);
+    system(asked, &crate::checks::system(), "checks", &Options::default(), &mut counts);
+    report(&counts, FEW_SECONDS);
+}
+
 /// Asks TChecker about every check of some scenarios.
 fn judge(scenarios: &[PathBuf], seconds: &str, options: &Options) {
     let Some(program) = std::env::var_os("DOTGEN_TCHECKER") else {
@@ -86,6 +97,11 @@ fn judge(scenarios: &[PathBuf], seconds: &str, options: &Options) {
             scenario(asked, path, &name, options, &mut counts);
         }
     }
+    report(&counts, seconds);
+}
+
+/// Prints the counts, and fails if answers differ.
+fn report(counts: &Counts, seconds: &str) {
     eprintln!("{} answers agree, {} checks have no value", counts.agree, counts.without);
     counts.slow.iter().for_each(|slow| eprintln!("no answer in {seconds} s: {slow}"));
     counts.refused.iter().for_each(|refused| eprintln!("{refused}"));
@@ -99,7 +115,17 @@ fn scenario(
     options: &Options,
     counts: &mut Counts,
 ) {
-    let system = System::read(path);
+    system(program, &System::read(path), name, options, counts);
+}
+
+/// Asks TChecker about every check of a system.
+fn system(
+    program: (&Path, &str),
+    system: &System,
+    name: &str,
+    options: &Options,
+    counts: &mut Counts,
+) {
     let prepared = system.prepared(options);
     let report = system.report(options);
     for check in &prepared.checks {

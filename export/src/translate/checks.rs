@@ -6,12 +6,14 @@ use dotgen_timing::verify::{Prepared, PreparedCheck, Question};
 
 use crate::model::{
     Clock, ClockGuard, Edge, Guard, LocationKind, Network, Process, Query, QueryKind, Relation,
-    Term, Update, Variable, all, any, var,
+    Update, Variable, all, any, var,
 };
 
 use super::layout::{Layout, TaskPart, identifier, position};
+use super::monitors::Watch;
 use super::predicates;
 use super::refusals::{self, Refusal};
+use super::sequences::Sequence;
 
 /// Name of the process that observes.
 pub(super) const SCHEDULER: &str = "scheduler";
@@ -29,6 +31,8 @@ pub(super) struct Checks<'c> {
 
 /// A check.
 struct Entry<'c> {
+    /// Number of the check, from 1.
+    number: usize,
     /// Kind and subject, after the name if the check has one.
     name: String,
     /// Name of its location.
@@ -53,28 +57,29 @@ impl<'c> Checks<'c> {
             let goal = format!("check_{}_{}", index + 1, identifier(report.kind.word()));
             let mut parts: Vec<&Predicate> = Vec::new();
             match question {
-                Question::Within(p, list, _) if list.len() == 1 => parts.extend([p, &list[0]]),
-                Question::Within(..) => {
-                    refusals.push(Refusal::new("within … => … => …", Some(name.clone())));
-                }
+                Question::Within(p, list, _) => parts.extend(std::iter::once(p).chain(list)),
                 Question::Always(p) | Question::Reachable(p) => parts.push(p),
-                Question::LeadsTo(..)
-                | Question::Eventually(_)
-                | Question::Pattern(_)
-                | Question::Deadlock => {
+                Question::Pattern(monitor) => parts.extend(&monitor.predicates),
+                Question::LeadsTo(..) | Question::Eventually(_) => {
                     refusals.push(Refusal::new(report.kind.word(), Some(name.clone())));
                 }
-                Question::Schedulable(_) | Question::NoOverdue(_) | Question::Response(..) => {}
+                Question::Deadlock if prepared.checks.iter().any(has_limit) => {
+                    let construct = format!("{} next to a check of a time", report.kind.word());
+                    refusals.push(Refusal::new(&construct, Some(name.clone())));
+                }
+                Question::Deadlock
+                | Question::Schedulable(_)
+                | Question::NoOverdue(_)
+                | Question::Response(..) => {}
             }
             for predicate in parts {
                 predicates::left(predicate, &mut out.left);
                 let mut atoms = Vec::new();
                 atoms_of(predicate, &mut atoms);
-                refusals.extend(
-                    atoms.iter().filter_map(|atom| refusals::of_atom(prepared, atom, &name)),
-                );
+                refusals
+                    .extend(atoms.iter().filter_map(|atom| refusals::of_atom(layout, atom, &name)));
             }
-            out.entries.push(Entry { name, goal, question });
+            out.entries.push(Entry { number: index + 1, name, goal, question });
         }
         if refusals.is_empty() { Ok(out) } else { Err(refusals) }
     }
@@ -87,10 +92,22 @@ impl<'c> Checks<'c> {
         })
     }
 
-    /// Returns the observers of pairs of predicates, with their numbers.
-    fn withins(&self) -> impl Iterator<Item = (usize, &Entry<'c>, &'c Predicate, &'c Predicate)> {
-        self.entries.iter().enumerate().filter_map(|(index, entry)| match entry.question {
-            Question::Within(p, list, _) => Some((index + 1, entry, p, list.first()?)),
+    /// Returns the observers of predicates that follow each other.
+    fn withins(&self) -> impl Iterator<Item = Sequence<'_>> {
+        self.entries.iter().filter_map(|entry| match entry.question {
+            Question::Within(trigger, responses, _) => {
+                Some(Sequence { number: entry.number, name: &entry.name, trigger, responses })
+            }
+            _ => None,
+        })
+    }
+
+    /// Returns the monitors of patterns.
+    fn patterns(&self) -> impl Iterator<Item = Watch<'_>> {
+        self.entries.iter().filter_map(|entry| match entry.question {
+            Question::Pattern(monitor) => {
+                Some(Watch { number: entry.number, name: &entry.name, monitor })
+            }
             _ => None,
         })
     }
@@ -109,17 +126,19 @@ impl<'c> Checks<'c> {
                 clocks.push(Clock { name: format!("job_{}_{side}", task.name), comment });
             }
         }
-        for (number, entry, ..) in self.withins() {
-            let what = format!("1: {} waits for its response", entry.name);
-            variable(format!("open_{number}"), what);
-            variable(format!("was_{number}"), format!("1: {} was triggered before", entry.name));
-            let comment = format!("time since the trigger of {}", entry.name);
-            clocks.push(Clock { name: format!("y_{number}"), comment });
+        network.clocks.extend(clocks);
+        for sequence in self.withins() {
+            sequence.declare(network);
         }
+        for watch in self.patterns() {
+            watch.declare(network);
+        }
+        let mut variable = |name: String, comment: String| {
+            network.variables.push(Variable { name, size: None, most: 1, comment });
+        };
         for index in 0..self.left.len() {
             variable(format!("held_before_{index}"), "1: held before the last action".to_owned());
         }
-        network.clocks.extend(clocks);
     }
 
     /// Returns the cases of a tick: when, updates, and a comment.
@@ -167,7 +186,7 @@ impl<'c> Checks<'c> {
     }
 
     /// Returns a predicate as a condition after an action.
-    fn condition(&self, predicate: &Predicate) -> Guard {
+    pub(super) fn condition(&self, predicate: &Predicate) -> Guard {
         predicates::condition(self.layout, predicate, &|atom| {
             let index = self.left.iter().position(|left| *left == atom);
             let before = index.map(|index| var(&format!("held_before_{index}")).is(1_usize));
@@ -177,65 +196,39 @@ impl<'c> Checks<'c> {
     }
 
     /// Returns a predicate as a condition while time passes.
-    fn condition_still(&self, predicate: &Predicate) -> Guard {
+    pub(super) fn condition_still(&self, predicate: &Predicate) -> Guard {
         predicates::condition(self.layout, predicate, &|_| any([]))
+    }
+
+    /// Returns the first locations of the observers, in order, and `looks`.
+    fn stations(&self) -> Vec<String> {
+        let withins = self.withins().map(|sequence| sequence.first());
+        let patterns = self.patterns().map(|watch| watch.first());
+        withins.chain(patterns).chain(["looks".to_owned()]).collect()
     }
 
     /// Returns the location that follows an action.
     pub(super) fn first_location(&self) -> String {
-        self.withins().next().map_or("looks".to_owned(), |(number, ..)| format!("watches_{number}"))
+        self.stations().swap_remove(0)
     }
 
     /// Adds the locations that observe the state after an action, up to `settles`.
     pub(super) fn observe(&self, out: &mut Process) {
-        let numbers: Vec<usize> = self.withins().map(|(number, ..)| number).collect();
-        for (index, (number, entry, trigger, response)) in self.withins().enumerate() {
-            let next = numbers.get(index + 1);
-            let target = next.map_or("looks".to_owned(), |next| format!("watches_{next}"));
-            self.watch(number, &target, (trigger, response), entry, out);
+        let stations = self.stations();
+        let mut next = stations.iter().skip(1);
+        for sequence in self.withins() {
+            sequence.add(self, next.next().map_or("looks", String::as_str), out);
+        }
+        for watch in self.patterns() {
+            watch.add(self, next.next().map_or("looks", String::as_str), out);
         }
         out.location("looks", LocationKind::Committed, "compares the state with the checks");
         let mut edge = Edge::new("looks", "settles", "all checks have seen the state");
         for (index, atom) in self.left.iter().enumerate() {
             let now = predicates::atom(self.layout, atom);
-            let value = Term::If(Box::new(now), Box::new(1_usize.into()), Box::new(0_usize.into()));
-            edge.updates.push(var(&format!("held_before_{index}")).set(value));
+            edge.updates.push(var(&format!("held_before_{index}")).set_to(now));
         }
         out.edge(edge);
-    }
-
-    fn watch(
-        &self,
-        number: usize,
-        target: &str,
-        (trigger, response): (&Predicate, &Predicate),
-        entry: &Entry,
-        out: &mut Process,
-    ) {
-        let location = format!("watches_{number}");
-        let comment = format!("opens and closes the obligation of {}", entry.name);
-        out.location(&location, LocationKind::Committed, comment);
-        let (open, was) = (var(&format!("open_{number}")), var(&format!("was_{number}")));
-        let triggered =
-            all([open.clone().is(0_usize), self.condition(trigger), was.clone().is(0_usize)]);
-        let met = self.condition(response);
-        let now = Box::new(self.condition_still(trigger));
-        let value = Term::If(now, Box::new(1_usize.into()), Box::new(0_usize.into()));
-        let mut add = |guards: [Guard; 2], updates: Vec<Update>, comment: &str| {
-            let edge = Edge::new(&location, target, comment).when(all(guards));
-            out.edge(edge.with(updates).with([was.clone().set(value.clone())]));
-        };
-        let opens = vec![open.clone().set(1_usize), Update::Reset(format!("y_{number}"))];
-        add([triggered.clone(), met.negated()], opens, "the obligation begins");
-        add([triggered.clone(), met.clone()], Vec::new(), "triggered and met at once");
-        let is_open = open.clone().is(1_usize);
-        add(
-            [is_open.clone(), met.clone()],
-            vec![open.clone().set(0_usize)],
-            "the obligation is met",
-        );
-        add([is_open, met.negated()], Vec::new(), "the obligation stays open");
-        add([open.is(0_usize), triggered.negated()], Vec::new(), "no obligation");
     }
 
     /// Adds the locations that are goals.
@@ -277,11 +270,15 @@ impl<'c> Checks<'c> {
                 self.jobs(task, &job(task), Relation::Greater, i64::from(*limit))
             }
             Question::Within(_, _, Some(limit)) => {
-                let number = self.number(entry);
-                let open = var(&format!("open_{number}")).is(1_usize);
-                let (clock, value) = (format!("y_{number}"), i64::from(*limit));
-                let late = ClockGuard { clock, relation: Relation::Greater, value };
-                vec![(CALM, open, Some(late))]
+                let late = |(open, clock): (Guard, String)| {
+                    let value = i64::from(*limit);
+                    (CALM, open, Some(ClockGuard { clock, relation: Relation::Greater, value }))
+                };
+                self.ages(entry).into_iter().map(late).collect()
+            }
+            Question::Pattern(_) => {
+                let mut watches = self.patterns().filter(|watch| watch.number == entry.number);
+                watches.next().map(|watch| ("looks", watch.violated(), None)).into_iter().collect()
             }
             Question::Always(p) => vec![("looks", self.condition(p).negated(), None)],
             Question::Reachable(p) => vec![("looks", self.condition(p), None)],
@@ -289,9 +286,10 @@ impl<'c> Checks<'c> {
         }
     }
 
-    fn number(&self, entry: &Entry) -> usize {
-        let mut withins = self.withins().filter(|within| std::ptr::eq(within.1, entry));
-        withins.next().map_or(0, |(number, ..)| number)
+    /// Returns the clocks of open obligations of `within`, each with the condition that it counts.
+    fn ages(&self, entry: &Entry) -> Vec<(Guard, String)> {
+        let mut withins = self.withins().filter(|within| within.number == entry.number);
+        withins.next().map(|sequence| sequence.ages()).unwrap_or_default()
     }
 
     /// Returns the conditions on the clock of a task's present job.
@@ -339,16 +337,25 @@ impl<'c> Checks<'c> {
                     if limit.is_some() {
                         add(QueryKind::Never { process, location }, "holds if it is never reached");
                     }
-                    let number = self.number(entry);
-                    let open = var(&format!("open_{number}")).is(1_usize);
-                    let clock = vec![(open, format!("y_{number}"))];
-                    add(QueryKind::Greatest(clock), "the longest time");
+                    add(QueryKind::Greatest(self.ages(entry)), "the longest time");
+                }
+                Question::Deadlock => {
+                    let (process, location) = (SCHEDULER.to_owned(), CALM.to_owned());
+                    add(QueryKind::Lively { process, location }, "an action always follows");
                 }
                 _ => add(QueryKind::Never { process, location }, "holds if it is never reached"),
             }
         }
         out
     }
+}
+
+/// Returns true if a check has a goal that is reached while time passes. Such a goal hides a deadlock.
+fn has_limit(check: &PreparedCheck) -> bool {
+    matches!(
+        check.question,
+        Question::NoOverdue(_) | Question::Response(_, Some(_)) | Question::Within(_, _, Some(_))
+    )
 }
 
 /// Returns the condition that a task has a job.

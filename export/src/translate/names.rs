@@ -74,6 +74,11 @@ impl Part {
         self.tasks.len() + usize::from(self.control) > 1
     }
 
+    /// Returns true if the network knows when the component has started.
+    pub(super) fn notes_start(&self) -> bool {
+        self.control || self.tasks.is_empty() || self.starts()
+    }
+
     /// Returns the updates that clear the marks of a place.
     pub(super) fn clear(&self, index: &Term) -> Vec<Update> {
         let mut out = vec![self.paused(index.clone()).set(0_usize)];

@@ -85,7 +85,16 @@ pub(super) fn atom(layout: &Layout, atom: &Atom) -> Guard {
             let codels = own.flat_map(|(_, codels)| codels);
             any(codels.map(|&codel| in_phase(layout, codel, *phase)))
         }
-        Atom::ControlBusy(component) => layout.part(*component).step().is_not(step::READY),
+        Atom::ControlBusy(component) => {
+            let part = layout.part(*component);
+            if part.control {
+                part.step().is_not(step::READY)
+            } else if part.tasks.is_empty() {
+                any([])
+            } else {
+                part.own("starting").is_not(part.tasks.len())
+            }
+        }
         // Refused before.
         Atom::Tick(_) | Atom::Violated(_) => any([]),
         Atom::Client(client, steps) => {

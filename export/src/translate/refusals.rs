@@ -7,6 +7,8 @@ use dotgen_timing::scn::semantics::Semantics;
 use dotgen_timing::system::{ClientAction, Policy};
 use dotgen_timing::verify::Prepared;
 
+use super::layout::Layout;
+
 /// A construct that is not translated.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Refusal {
@@ -17,7 +19,7 @@ pub struct Refusal {
 }
 
 impl Refusal {
-    pub(super) fn new(construct: &str, place: Option<String>) -> Refusal {
+    pub(crate) fn new(construct: &str, place: Option<String>) -> Refusal {
         Refusal { construct: construct.to_owned(), place }
     }
 }
@@ -87,21 +89,14 @@ pub(super) fn of_system(prepared: &Prepared) -> Vec<Refusal> {
 }
 
 /// Returns the refusal of an atom that has no variable in the network.
-pub(super) fn of_atom(prepared: &Prepared, atom: &Atom, check: &str) -> Option<Refusal> {
-    let system = &prepared.built.system;
-    let component = match atom {
-        Atom::ControlBusy(component) => component,
-        Atom::Tick(task) => {
-            let tick = format!("{}.tick", system.task_path(*task));
-            return Some(Refusal::new(&tick, Some(check.to_owned())));
+pub(super) fn of_atom(layout: &Layout, atom: &Atom, check: &str) -> Option<Refusal> {
+    let system = layout.system;
+    let construct = match atom {
+        Atom::ControlBusy(component) if !layout.part(*component).notes_start() => {
+            format!("control task of {}", system.components[*component].name)
         }
+        Atom::Tick(task) => format!("{}.tick", system.task_path(*task)),
         _ => return None,
     };
-    let mut steps = system.clients.iter().flat_map(|client| &client.steps);
-    let requested = steps.any(|step| {
-        let service = step.requests();
-        service.is_some_and(|service| system.services[service].component == *component)
-    });
-    let name = &system.components[*component].name;
-    (!requested).then(|| Refusal::new(&format!("control task of {name}"), Some(check.to_owned())))
+    Some(Refusal::new(&construct, Some(check.to_owned())))
 }

@@ -27,6 +27,9 @@ const SEEN: u16 = 3;
 const OVER: u16 = 4;
 
 impl Monitor {
+    /// The location of a violated monitor.
+    pub const VIOLATED: u16 = VIOLATED;
+
     /// Returns the predicate without which the monitor says nothing about a run.
     pub(crate) fn opening(&self) -> &Predicate {
         // What is preceded calls for the other; the rest begins with its first predicate.
@@ -36,7 +39,7 @@ impl Monitor {
     /// Returns the location after a step from `location`, in a state in which `holds` gives the values of the
     /// predicates. `rises` is set if the first predicate has become true by this step. `left` is the time
     /// that is still watched; it begins again when it has to.
-    pub(crate) fn next(
+    pub fn next(
         &self,
         location: u16,
         rises: bool,

@@ -1,0 +1,59 @@
+//! Checks of predicates in time on a small system, read back.
+
+use dotgen_timing::verify::Options;
+
+use crate::read_back::{Counts, compare_system};
+use crate::systems::System;
+
+const SPECIFICATION: &str = "
+component c {
+ version \"1\"; email \"a@b\"; lang \"c\";
+ ids { long f0; };
+ task t0 { period 4 ms; codel<start> a(inout f0) yield pause::x wcet 1 ms;
+   codel<x> b(inout f0) yield pause::start, y wcet 2 ms;
+   codel<y> d() yield pause::start wcet 1 ms; };
+ activity s0() { task t0; codel<start> e(in f0) yield pause::stop wcet 1 ms;
+   codel<stop> g() yield ether wcet 1 ms; interrupts s0; };
+};
+";
+
+/// Returns the system with its checks.
+pub(crate) fn system() -> System {
+    let x = ["c.t0.x.exec", "c.t0.y.exec", "c.s0.start.exec"];
+    let mut checks = String::new();
+    for (i, p) in x.iter().enumerate() {
+        for (j, q) in x.iter().enumerate().filter(|(j, _)| *j != i) {
+            let r = x[(i + j) % x.len()];
+            checks += &format!(
+                " check within {p} => {q} then {r};
+                 check within {p} => {q} then {r} then {p} <= 9 ms;
+                 check absent {q} after {p} for {} ms; check {p} precedes {q};
+                 check before {p} never {q}; check after {p} always {q};
+                 check between {p} and {q} eventually {r}; check between {p} and {q} never {r};
+                 check after {p} until {q} never {r}; check lasts {p} >= 1 ms;\n",
+                1 + i + j
+            );
+        }
+    }
+    let scenario = format!(
+        "scenario s {{ semantics servers; unit 1 ms; durations interval;
+         client k {{ delay [1,3] ms; send c.s0; delay 2 ms; send c.s0; }}\n{checks}
+         check deadlock; check reachable c.running; check always not c.idle; }}"
+    );
+    let system = System::of_texts(&[SPECIFICATION.to_owned()], &scenario);
+    let system = system.expect("the specification has no error");
+    let prepared = system.prepared(&Options::default());
+    let errors: Vec<_> = prepared.report.diagnostics.iter().map(|d| &d.message).collect();
+    assert!(!prepared.report.has_errors(), "{errors:?}");
+    system
+}
+
+#[test]
+fn patterns_and_sequences() {
+    let system = system();
+    let mut counts = Counts::default();
+    compare_system(&system, "c", 4_000, &mut counts);
+    eprintln!("{counts:?}");
+    assert_eq!(counts.refused, 0, "{counts:?}");
+    assert!(counts.equal > 50, "{counts:?}");
+}
