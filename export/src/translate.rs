@@ -68,7 +68,22 @@ pub fn translate(prepared: &Prepared, place: &Place) -> Result<Network, Vec<Refu
     }
     network.processes.push(scheduler::process(&layout, &checks));
     network.queries = checks.queries();
-    Ok(network)
+    match shared_name(&network) {
+        Some(name) => Err(vec![Refusal::new("two parts with one name", Some(name.to_owned()))]),
+        None => Ok(network),
+    }
+}
+
+/// Returns a name that two parts of a network have: `a_b` of `c`, and `a` of `b_c`.
+fn shared_name(network: &Network) -> Option<&str> {
+    let Network { variables, clocks, channels, processes, .. } = network;
+    let mut all: Vec<&str> = (variables.iter().map(|it| &*it.name))
+        .chain(clocks.iter().map(|it| &*it.name))
+        .chain(channels.iter().map(|it| &*it.0))
+        .chain(processes.iter().map(|it| &*it.name))
+        .collect();
+    all.sort_unstable();
+    all.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0])
 }
 
 fn header(prepared: &Prepared) -> Vec<String> {

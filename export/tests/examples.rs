@@ -4,6 +4,7 @@ use std::path::Path;
 
 use dotgen_export::{Format, export};
 use dotgen_timing::scn::ast::Policy;
+use dotgen_timing::scn::parse_check;
 use dotgen_timing::scn::semantics::Preset;
 use dotgen_timing::verify::Options;
 
@@ -46,4 +47,31 @@ fn what_is_not_translated_is_refused_by_name() {
     assert_eq!(refusals(&edf), ["not exported: `policy edf`"]);
     let published = Options { semantics: Some(Preset::Published), ..Options::default() };
     assert_eq!(refusals(&published), ["not exported: `semantics published`"]);
+}
+
+/// `a_b` with the task `c`, and `a` with the task `b_c`.
+#[test]
+fn parts_with_one_name_are_refused() {
+    let component = |name: &str, task: &str| {
+        format!(
+            "component {name} {{ version \"1\"; lang \"c\"; task {task} {{ period 5 ms;
+             codel<start> {name}_{task}() yield pause::start wcet 1 ms; }}; }};"
+        )
+    };
+    let texts = [component("a_b", "c"), component("a", "b_c")];
+    let scenario = "scenario s { semantics servers; unit 1 ms; check schedulable *;
+        check never leave a.b_c.start.exec or not leave a.b_c.start.exec; }";
+    let system = System::of_texts(&texts, scenario).expect("no errors");
+    let refused = |scenario: &Options| {
+        let found = export(&system.prepared(scenario), &|_, _| None, Format::Uppaal);
+        let refusals = found.expect_err("it is refused");
+        refusals.iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    let [refusal] = &refused(&Options::default())[..] else { panic!("one refusal") };
+    assert!(refusal.starts_with("not exported: `not leave`"), "{refusal}");
+    let checks = parse_check("schedulable *").expect("a check");
+    let [refusal] = &refused(&Options { checks, ..Options::default() })[..] else {
+        panic!("one refusal")
+    };
+    assert!(refusal.starts_with("not exported: `two parts with one name`"), "{refusal}");
 }

@@ -72,7 +72,12 @@ impl<'c> Checks<'c> {
                 | Question::NoOverdue(_)
                 | Question::Response(..) => {}
             }
+            let negated = matches!(question, Question::Always(_));
             for predicate in parts {
+                // The verifier also looks after time has passed, the network after actions only.
+                if predicate.needs_no_moment(negated, true) {
+                    refusals.push(Refusal::new("not leave", Some(name.clone())));
+                }
                 predicates::left(predicate, &mut out.left);
                 let mut atoms = Vec::new();
                 atoms_of(predicate, &mut atoms);

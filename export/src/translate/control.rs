@@ -8,7 +8,7 @@ use super::requests;
 
 /// Returns the process of a control task.
 pub(super) fn process(layout: &Layout, part: &Part) -> Process {
-    let name = format!("control_{}", part.name);
+    let name = format!("control_task_{}", part.name);
     let mut out = Process::new(&name, format!("the control task of {}", part.name));
     out.location("ready", LocationKind::Normal, "waits for requests and ends of activities");
     requests::add(layout, part, &mut out);

@@ -139,6 +139,21 @@ impl Predicate {
         }
     }
 
+    /// Returns true if the predicate can hold because a moment is over: a tick, or with `leaves` the end of an
+    /// atom. Then it may hold in states that no action enters, and predicates are evaluated after actions.
+    /// `negated`: the same of its negation.
+    pub fn needs_no_moment(&self, negated: bool, leaves: bool) -> bool {
+        match self {
+            Predicate::Atom(Atom::Tick(_)) => negated,
+            Predicate::Leave(_) => negated && leaves,
+            Predicate::Atom(_) => false,
+            Predicate::Not(predicate) => predicate.needs_no_moment(!negated, leaves),
+            Predicate::And(one, other) | Predicate::Or(one, other) => {
+                one.needs_no_moment(negated, leaves) || other.needs_no_moment(negated, leaves)
+            }
+        }
+    }
+
     /// Returns the value in a state that was entered from another one. `atom` evaluates an atom in the
     /// present state (`true`) or in the previous one (`false`).
     pub(crate) fn eval(&self, atom: &impl Fn(&Atom, bool) -> bool) -> bool {

@@ -90,6 +90,10 @@ impl<'c> ChainOf<'c> {
     }
 }
 
+/// The message for a predicate that holds when a moment is over.
+const MOMENT_IS_OVER: &str = "this check asks for the time after a moment (`tick`, in a pattern also `leave`); \
+    ask for what holds at the moment, such as `never TASK.tick and P`";
+
 /// Expands checks of `*` to one per task.
 pub(super) fn expand<'c>(
     names: &Names,
@@ -121,9 +125,19 @@ pub(super) fn expand<'c>(
         let mut push = |what, components| out.push(Single { check, written, what, components });
         let mut preds = |list: &[&Pred]| -> Vec<usize> {
             let mut components = Vec::new();
+            let negated = matches!(check.kind, CheckKind::Always(_));
+            let leaves = matches!(check.kind, CheckKind::Pattern(_));
             for pred in list {
-                if let Err(error) = resolve::resolve(names, whole, pred) {
-                    diagnostics.push(error);
+                match resolve::resolve(names, whole, pred) {
+                    Ok(predicate) if predicate.needs_no_moment(negated, leaves) => {
+                        diagnostics.push(Diagnostic::error(
+                            "scn-wrong-status",
+                            check.range.clone(),
+                            MOMENT_IS_OVER.to_owned(),
+                        ));
+                    }
+                    Ok(_) => {}
+                    Err(error) => diagnostics.push(error),
                 }
                 resolve::components_of(names, whole, pred, &mut components);
             }

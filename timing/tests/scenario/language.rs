@@ -18,6 +18,23 @@ fn mistakes_are_explained() {
 }
 
 #[test]
+fn the_time_after_a_moment_is_no_predicate() {
+    for (check, is_right) in [
+        ("never sensor.acquire.tick and control.move", true),
+        ("always sensor.acquire.tick => control.move", true),
+        ("never not sensor.acquire.tick", false),
+        ("always sensor.acquire.tick", false),
+        ("lasts sensor.acquire.tick >= 1 ms", false),
+        ("absent not leave control.move after sensor.acquire.tick for 1 ms", false),
+        ("reachable not leave control.move", true),
+    ] {
+        let report = robot(&format!("check {check};"));
+        let wrong = report.diagnostics.iter().any(|wrong| wrong.code == "scn-wrong-status");
+        assert_eq!(wrong, !is_right, "{check}: {:?}", report.diagnostics);
+    }
+}
+
+#[test]
 fn slots_are_some_and_not_too_many() {
     for (number, allowed) in [
         ("0", false),

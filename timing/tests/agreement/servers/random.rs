@@ -510,15 +510,17 @@ fn patterns(dice: &mut Dice, known: &Known, out: &mut String) {
     .into_iter()
     .enumerate()
     {
-        let mut predicate = || match dice.below(6) {
-            0 if known.periodic => {
+        // A moment can begin something, and cannot be over for some time.
+        let moments = known.periodic && !form.starts_with("lasts");
+        let mut predicate = |place: usize| match dice.below(6) {
+            0 if moments && place == 0 => {
                 let tasks: Vec<&str> = known.tasks.iter().map(String::as_str).collect();
                 format!("{}.tick", dice.pick(&tasks))
             }
             1 => format!("({} and {})", predicate(dice, known), predicate(dice, known)),
             _ => predicate(dice, known),
         };
-        let [p, q, r] = std::array::from_fn(|_| predicate());
+        let [p, q, r] = std::array::from_fn(&mut predicate);
         let time = 1 + dice.below(9);
         let words = form.split(' ').map(|word| match word {
             "P" => p.clone(),
