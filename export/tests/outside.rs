@@ -75,7 +75,7 @@ fn examples() {
 #[test]
 fn checks() {
     let Some(program) = std::env::var_os("DOTGEN_TCHECKER") else {
-        return dotgen_loaders::skip("DOTGEN_TCHECKER names no program `tck-reach`");
+        return dotgen_loaders::skip("no data: DOTGEN_TCHECKER names no program `tck-reach`");
     };
     let mut counts = Counts::default();
     let asked = (Path::new(&program), FEW_SECONDS);
@@ -86,7 +86,7 @@ fn checks() {
 /// Asks TChecker about every check of some scenarios.
 fn judge(scenarios: &[PathBuf], seconds: &str, options: &Options) {
     let Some(program) = std::env::var_os("DOTGEN_TCHECKER") else {
-        return dotgen_loaders::skip("DOTGEN_TCHECKER names no program `tck-reach`");
+        return dotgen_loaders::skip("no data: DOTGEN_TCHECKER names no program `tck-reach`");
     };
     let only = std::env::var("DOTGEN_CASE").unwrap_or_default();
     let mut counts = Counts::default();

@@ -77,6 +77,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "dotgen-codegen",
             "dotgen-diagram",
             "dotgen-timing",
+            "dotgen-export",
+            "dotgen-xta",
             "dotgen-runtime",
             "dotgen-recording",
         ],

@@ -11,7 +11,7 @@ use crate::model::{
 
 use super::layout::{Layout, TaskPart, identifier, position};
 use super::monitors::Watch;
-use super::predicates;
+use super::predicates::{self, Conditions};
 use super::refusals::{self, Refusal};
 use super::sequences::Sequence;
 
@@ -190,19 +190,8 @@ impl<'c> Checks<'c> {
         out
     }
 
-    /// Returns a predicate as a condition after an action.
-    pub(super) fn condition(&self, predicate: &Predicate) -> Guard {
-        predicates::condition(self.layout, predicate, &|atom| {
-            let index = self.left.iter().position(|left| *left == atom);
-            let before = index.map(|index| var(&format!("held_before_{index}")).is(1_usize));
-            let now = predicates::atom(self.layout, atom);
-            all([before.unwrap_or(any([])), now.negated()])
-        })
-    }
-
-    /// Returns a predicate as a condition while time passes.
-    pub(super) fn condition_still(&self, predicate: &Predicate) -> Guard {
-        predicates::condition(self.layout, predicate, &|_| any([]))
+    fn conditions(&self) -> Conditions<'_> {
+        Conditions { layout: self.layout, left: &self.left }
     }
 
     /// Returns the first locations of the observers, in order, and `looks`.
@@ -222,10 +211,10 @@ impl<'c> Checks<'c> {
         let stations = self.stations();
         let mut next = stations.iter().skip(1);
         for sequence in self.withins() {
-            sequence.add(self, next.next().map_or("looks", String::as_str), out);
+            sequence.add(&self.conditions(), next.next().map_or("looks", String::as_str), out);
         }
         for watch in self.patterns() {
-            watch.add(self, next.next().map_or("looks", String::as_str), out);
+            watch.add(&self.conditions(), next.next().map_or("looks", String::as_str), out);
         }
         out.location("looks", LocationKind::Committed, "compares the state with the checks");
         let mut edge = Edge::new("looks", "settles", "all checks have seen the state");
@@ -285,8 +274,8 @@ impl<'c> Checks<'c> {
                 let mut watches = self.patterns().filter(|watch| watch.number == entry.number);
                 watches.next().map(|watch| ("looks", watch.violated(), None)).into_iter().collect()
             }
-            Question::Always(p) => vec![("looks", self.condition(p).negated(), None)],
-            Question::Reachable(p) => vec![("looks", self.condition(p), None)],
+            Question::Always(p) => vec![("looks", self.conditions().after(p).negated(), None)],
+            Question::Reachable(p) => vec![("looks", self.conditions().after(p), None)],
             _ => Vec::new(),
         }
     }

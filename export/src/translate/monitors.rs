@@ -7,7 +7,7 @@ use crate::model::{
     Clock, Edge, Guard, LocationKind, Network, Process, Relation, Term, Update, Variable, all, var,
 };
 
-use super::checks::Checks;
+use super::predicates::Conditions;
 
 /// Greatest location of a monitor.
 const MOST: u16 = 4;
@@ -80,7 +80,7 @@ impl Watch<'_> {
     }
 
     /// Adds the locations of the scheduler, which lead to a target.
-    pub(super) fn add(&self, checks: &Checks, target: &str, out: &mut Process) {
+    pub(super) fn add(&self, conditions: &Conditions, target: &str, out: &mut Process) {
         let moves = format!("moves_{}", self.number);
         let comment = format!("evaluates the predicates of {}", self.name);
         out.location(&self.first(), LocationKind::Committed, comment);
@@ -88,13 +88,13 @@ impl Watch<'_> {
         out.location(&moves, LocationKind::Committed, comment);
         let mut edge = Edge::new(&self.first(), &moves, "the values after the action");
         for (index, predicate) in self.monitor.predicates.iter().enumerate() {
-            let holds = checks.condition(predicate);
+            let holds = conditions.after(predicate);
             edge.updates.push(self.holds(index).set_to(holds));
         }
         out.edge(edge);
         let mut rest: Vec<Update> = Vec::new();
         if self.is_timed() {
-            rest.push(self.was().set_to(checks.condition_still(&self.monitor.predicates[0])));
+            rest.push(self.was().set_to(conditions.still(&self.monitor.predicates[0])));
         }
         let count = self.monitor.predicates.len();
         rest.extend((0..count).map(|index| self.holds(index).set(0_usize)));

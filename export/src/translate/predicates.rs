@@ -3,16 +3,35 @@
 use dotgen_timing::property::predicate::{Atom, Predicate, SlotStatus, StatePhase, TaskState};
 use dotgen_timing::system::CodelId;
 
-use crate::model::{Guard, all, any};
+use crate::model::{Guard, all, any, var};
 
 use super::layout::{Layout, executed, number, position, status, step, wanted};
 
+/// Predicates as conditions of a network in which variables hold the values before the last action.
+pub(super) struct Conditions<'c> {
+    pub(super) layout: &'c Layout<'c>,
+    /// Atoms with a variable for their value before.
+    pub(super) left: &'c [&'c Atom],
+}
+
+impl Conditions<'_> {
+    /// Returns a predicate as a condition after an action.
+    pub(super) fn after(&self, predicate: &Predicate) -> Guard {
+        condition(self.layout, predicate, &|of| {
+            let index = self.left.iter().position(|left| *left == of);
+            let before = index.map(|index| var(&format!("held_before_{index}")).is(1_usize));
+            all([before.unwrap_or(any([])), atom(self.layout, of).negated()])
+        })
+    }
+
+    /// Returns a predicate as a condition while time passes.
+    pub(super) fn still(&self, predicate: &Predicate) -> Guard {
+        condition(self.layout, predicate, &|_| any([]))
+    }
+}
+
 /// Returns a predicate as a condition. `leave` gives the condition that an atom has just stopped holding.
-pub(super) fn condition(
-    layout: &Layout,
-    predicate: &Predicate,
-    leave: &dyn Fn(&Atom) -> Guard,
-) -> Guard {
+fn condition(layout: &Layout, predicate: &Predicate, leave: &dyn Fn(&Atom) -> Guard) -> Guard {
     let inner = |predicate: &Predicate| condition(layout, predicate, leave);
     match predicate {
         Predicate::Atom(of) => atom(layout, of),

@@ -6,7 +6,7 @@ use crate::model::{
     Clock, Edge, Guard, LocationKind, Network, Process, Term, Update, Variable, all, any, var,
 };
 
-use super::checks::Checks;
+use super::predicates::Conditions;
 
 /// An observer. Of the obligations that wait for the same response, the oldest is kept, as in the verifier.
 pub(super) struct Sequence<'s> {
@@ -87,18 +87,18 @@ impl Sequence<'_> {
     }
 
     /// Adds the locations, which lead to a target.
-    pub(super) fn add(&self, checks: &Checks, target: &str, out: &mut Process) {
+    pub(super) fn add(&self, conditions: &Conditions, target: &str, out: &mut Process) {
         let comment = format!("opens and closes the obligation of {}", self.name);
         out.location(&self.first(), LocationKind::Committed, comment);
         let was = self.was();
         let triggered = all([
             self.open(0).is(0_usize),
-            checks.condition(self.trigger),
+            conditions.after(self.trigger),
             was.clone().is(0_usize),
         ]);
-        let remembers = was.set_to(checks.condition_still(self.trigger));
+        let remembers = was.set_to(conditions.still(self.trigger));
         if self.is_single() {
-            let met = checks.condition(&self.responses[0]);
+            let met = conditions.after(&self.responses[0]);
             self.single(target, (&triggered, &met), &remembers, out);
             return;
         }
@@ -121,7 +121,7 @@ impl Sequence<'_> {
             } else {
                 target.to_owned()
             };
-            self.response(at, &next, &checks.condition(response), out);
+            self.response(at, &next, &conditions.after(response), out);
         }
     }
 

@@ -139,8 +139,8 @@ impl Predicate {
         }
     }
 
-    /// Returns true if the predicate can hold because a moment is over: a tick, or with `leaves` the end of an
-    /// atom. Then it may hold in states that no action enters, and predicates are evaluated after actions.
+    /// Returns true if the predicate can hold because a moment is over: a tick, or with `leaves` the end of
+    /// an atom. Then it may hold in states that no action enters, and predicates are evaluated after actions.
     /// `negated`: the same of its negation.
     pub fn needs_no_moment(&self, negated: bool, leaves: bool) -> bool {
         match self {
