@@ -69,7 +69,9 @@ pub(super) fn client() -> Result<Outcome> {
         .env("PYTHONDONTWRITEBYTECODE", "1");
     let mut outcome = Outcome::default();
     let succeeded = run::watch(command, |line| {
-        if line.contains(" in ") && line.ends_with('s') {
+        // After a minute the time is also in hours: `in 96.14s (0:01:36)`.
+        let is_summary = [" passed", " failed", " error"].iter().any(|word| line.contains(word));
+        if is_summary && line.contains(" in ") && line.ends_with(['s', ')']) {
             outcome.passed = count(line, " passed");
             outcome.failed = count(line, " failed") + count(line, " error");
             let skipped = count(line, " skipped");
