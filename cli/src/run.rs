@@ -19,9 +19,7 @@ use std::io::Write;
 
 use camino::Utf8PathBuf;
 use clap::{Args, ValueEnum};
-use dotgen_analysis::host::FileContent;
 use dotgen_analysis::model::Seconds;
-use dotgen_platform::files::vfs;
 use dotgen_runtime::decide;
 use dotgen_runtime::engine::End;
 use dotgen_runtime::report::RunReport;
@@ -34,12 +32,9 @@ use num_rational::Ratio;
 use super::outputs::{self, MCAP, Output, PERFETTO, VIEWER};
 use super::system_options::SystemOptions;
 use super::verify::{body, interrupt, problems};
-use super::{Outcome, SpecificationOptions, report};
+use super::{Outcome, SpecificationOptions, report, session};
 use dotgen_views::verification::Problem;
 use scenario::{Ended, one};
-
-/// Greatest size of a file of weights, in bytes.
-const MAX_WEIGHTS: usize = 1 << 20;
 
 /// Run components and watch the checks of a scenario
 ///
@@ -501,14 +496,7 @@ impl Arguments {
     /// Reads the weights of yields, and names the lines that the system does not have.
     fn read_weights(&self, prepared: &Prepared) -> anyhow::Result<Option<Weights>> {
         let Some(path) = &self.weights else { return Ok(None) };
-        let text = match vfs::read(path) {
-            FileContent::Text(text) if text.len() <= MAX_WEIGHTS => text,
-            FileContent::Text(_) => anyhow::bail!("`{path}` is larger than 1 MB"),
-            FileContent::Missing => {
-                anyhow::bail!("cannot read `{path}`: no such file or directory")
-            }
-            _ => anyhow::bail!("cannot read `{path}`: it is not a text in UTF-8"),
-        };
+        let text = session::text(path, 1)?;
         let at = |bad: &BadLine| format!("{path}:{}: {}", bad.line, bad.what);
         let (weights, unknown) = Weights::parse(&text, &prepared.built.system)
             .map_err(|bad| anyhow::anyhow!("{}", at(&bad)))?;
@@ -545,7 +533,7 @@ fn print_json(answers: &[Answer]) -> anyhow::Result<()> {
     let mut documents = Vec::new();
     for answer in answers {
         let mut document = serde_json::to_value(&answer.report)?;
-        document["file"] = super::session::display(&answer.problem.path).into();
+        document["file"] = session::display(&answer.problem.path).into();
         document["clock"] = answer.clock.word().into();
         document["executed-codels"] = answer.executed.0.into();
         document["simulated-codels"] = answer.executed.1.into();

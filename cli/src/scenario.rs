@@ -5,7 +5,6 @@ use std::io::Write;
 use anyhow::{Context, bail, ensure};
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, Subcommand, ValueEnum};
-use dotgen_analysis::host::FileContent;
 use dotgen_analysis::ide::relative_path;
 use dotgen_analysis::language;
 use dotgen_platform::files::vfs;
@@ -14,10 +13,7 @@ use dotgen_timing::scn::requests;
 use dotgen_views::verification::problem::components;
 
 use crate::verify::one_problem;
-use crate::{Outcome, SpecificationOptions, report};
-
-/// Greatest size of a file of requests, in bytes.
-const MAX_BYTES: usize = 1 << 20;
+use crate::{Outcome, SpecificationOptions, report, session};
 
 /// Write scenarios from files of published models
 #[derive(Debug, Args)]
@@ -77,12 +73,7 @@ impl Import {
             bail!("name one list of requests (.rqst) or Fiacre client (.client.fcr)");
         };
         ensure!(!specifications.is_empty(), "name the specification (.gen) of the services");
-        let text = match vfs::read(file) {
-            FileContent::Text(text) if text.len() <= MAX_BYTES => text,
-            FileContent::Text(_) => bail!("`{file}` is larger than 1 MB"),
-            FileContent::Missing => bail!("cannot read `{file}`: no such file or directory"),
-            _ => bail!("cannot read `{file}`: it is not a text in UTF-8"),
-        };
+        let text = session::text(file, 1)?;
         let list = requests::parse(&text).map_err(|malformed| {
             anyhow::anyhow!("{file}:{}: {}", malformed.line, malformed.what)
         })?;

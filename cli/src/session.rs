@@ -292,6 +292,19 @@ pub(super) fn is_standard_input(argument: &Utf8Path) -> bool {
     matches!(argument.as_str(), STANDARD_INPUT | "/dev/stdin" | "/dev/fd/0" | "/proc/self/fd/0")
 }
 
+/// Reads a file that is neither a specification nor a scenario.
+///
+/// # Errors
+/// It cannot be read, is no text in UTF-8, or has more than so many megabytes.
+pub(super) fn text(path: &Utf8Path, megabytes: usize) -> anyhow::Result<String> {
+    match vfs::read(path) {
+        FileContent::Text(text) if text.len() <= megabytes << 20 => Ok(text),
+        FileContent::Text(_) => bail!("`{path}` is larger than {megabytes} MB"),
+        FileContent::Missing => bail!("cannot read `{path}`: no such file or directory"),
+        _ => bail!("cannot read `{path}`: it is not a text in UTF-8"),
+    }
+}
+
 /// Reads all of standard input, as the text of a file.
 pub(super) fn standard_input() -> anyhow::Result<String> {
     let mut bytes = Vec::new();

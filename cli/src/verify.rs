@@ -64,7 +64,10 @@ pub(super) struct Arguments {
     durations: Option<DurationsName>,
 
     /// Answer queries about a network of timed automata in UPPAAL's format: those of `--check`, or of FILE.q
-    #[arg(long, value_name = "FILE.xta", conflicts_with = "files")]
+    #[arg(long, value_name = "FILE.xta", conflicts_with_all = [
+        "files", "cores", "semantics", "policy", "durations", "threads", "sensitivity", "explain", "trace",
+        "certificate", "without",
+    ])]
     xta: Option<Utf8PathBuf>,
 
     /// Check CHECK instead of the scenario's checks, for example "response arm.motion <= 5 ms"

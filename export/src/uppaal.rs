@@ -145,7 +145,7 @@ fn update(of: &Update) -> String {
 }
 
 fn queries(network: &Network) -> String {
-    let mut out = String::new();
+    let mut out = format!("/*\n{}\n*/\n", network.header.join("\n"));
     for query in &network.queries {
         let _ = writeln!(out, "/*\n{}", query.name);
         for line in &query.comment {

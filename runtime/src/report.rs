@@ -128,8 +128,9 @@ pub struct CheckOutcome {
     pub at: Option<RunMoment>,
     /// Number of violations.
     pub violations: u64,
-    /// Of several runs with random choices: the probability that a run violates the check, or shows the
-    /// expected event. It is about the choices as they are drawn.
+    /// Of several runs with random choices that exercised the check: the probability that a run violates it,
+    /// or shows the expected event. It is about the choices as they are drawn. `None` if a violation, or the
+    /// user, could end the runs early.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probability: Option<Estimate>,
 }
@@ -352,6 +353,11 @@ impl ReportBuilder<'_> {
     }
 
     fn checks(&self, outcome: &SimulationResult, simulated: bool) -> Vec<CheckOutcome> {
+        // If what is counted decides when to stop, or a run was cut off, the count is no sample.
+        let is_sample = outcome.runs > 1
+            && outcome.runs == self.plan.runs
+            && !self.plan.stop_at_violation
+            && outcome.end != End::Interrupted;
         let checks = self.prepared.checks.iter().zip(&outcome.judge.answers);
         let checks = checks.enumerate().map(|(number, (asked, answer))| {
             let greatest = answer.greatest.map(|number| self.value(number));
@@ -370,7 +376,7 @@ impl ReportBuilder<'_> {
                 exceeded: (limit.zip(greatest)).is_some_and(|pair| pair.0.is_exceeded_by(pair.1)),
                 at: answer.at.map(|moment| self.at(moment)),
                 violations: answer.violations,
-                probability: (outcome.runs > 1)
+                probability: (is_sample && answer.verdict != Verdict::NotExercised)
                     .then(|| Estimate::of(answer.in_runs, outcome.runs, CONFIDENCE)),
             }
         });

@@ -7,30 +7,32 @@ use std::time::{Duration, Instant};
 
 use anyhow::{anyhow, bail};
 use camino::Utf8Path;
-use dotgen_analysis::host::FileContent;
-use dotgen_platform::files::vfs;
 use dotgen_xta::{Answer, Error, Extreme, Limits, Query, Reason, Trace, Value};
 use serde_json::json;
 
 use super::interrupt;
 use super::{Arguments, Format};
-use crate::Outcome;
 use crate::width::{Table, wrapped};
+use crate::{Outcome, session};
 
 /// Time between two looks at the limit of time and at the interruption of the user.
 const POLL: Duration = Duration::from_millis(20);
+
+/// Greatest size of a model, in megabytes.
+const MAX_MEGABYTES: usize = 16;
 
 /// Most steps of a trace that are shown.
 const MAX_STEPS: usize = 200;
 
 pub(super) fn run(file: &Utf8Path, arguments: &Arguments) -> anyhow::Result<Outcome> {
-    let network = dotgen_xta::read(&text(file)?).map_err(|error| at(file, &error))?;
+    let network =
+        dotgen_xta::read(&session::text(file, MAX_MEGABYTES)?).map_err(|error| at(file, &error))?;
     let queries = if arguments.checks.is_empty() {
         let path = file.with_extension("q");
         if !path.exists() {
             bail!("`{path}` is missing; give queries with `--check 'A[] …'`");
         }
-        dotgen_xta::queries(&text(&path)?).map_err(|error| at(&path, &error))?
+        dotgen_xta::queries(&session::text(&path, 1)?).map_err(|error| at(&path, &error))?
     } else {
         let given = Utf8Path::new("--check");
         dotgen_xta::queries(&arguments.checks.join("\n")).map_err(|error| at(given, &error))?
@@ -70,14 +72,6 @@ pub(super) fn run(file: &Utf8Path, arguments: &Arguments) -> anyhow::Result<Outc
         }
     }
     Ok(outcome(&answers))
-}
-
-fn text(path: &Utf8Path) -> anyhow::Result<String> {
-    match vfs::read(path) {
-        FileContent::Text(text) => Ok(text),
-        FileContent::Missing => bail!("cannot read `{path}`: no such file or directory"),
-        _ => bail!("cannot read `{path}`: it is not a text in UTF-8"),
-    }
 }
 
 fn at(path: &Utf8Path, error: &Error) -> anyhow::Error {

@@ -32,8 +32,7 @@ impl Monitor {
 
     /// Returns the predicate without which the monitor says nothing about a run.
     pub(crate) fn opening(&self) -> &Predicate {
-        // What is preceded calls for the other; the rest begins with its first predicate.
-        &self.predicates[usize::from(self.kind == MonitorKind::Precedes)]
+        &self.predicates[self.kind.opening()]
     }
 
     /// Returns the location after a step from `location`, in a state in which `holds` gives the values of the
@@ -116,7 +115,7 @@ mod tests {
     /// Follows letters of `pqr` (those that hold), one word for each state. Returns the first violated state.
     fn violated_at(kind: MonitorKind, states: &str) -> Option<usize> {
         let any = Predicate::Atom(Atom::Task(0.into(), TaskState::Idle));
-        let monitor = Monitor { kind, predicates: vec![any; kind.predicates()], time: 2 };
+        let monitor = Monitor { kind, predicates: vec![any; 3], time: 2 };
         let (mut location, mut left, mut before) = (INITIAL, 0, false);
         states.split(' ').position(|state| {
             let holds = |index: usize| state.contains(['p', 'q', 'r'][index]);

@@ -35,10 +35,10 @@ pub enum MonitorKind {
 }
 
 impl MonitorKind {
-    /// Returns the number of predicates.
-    pub fn predicates(self) -> usize {
-        use MonitorKind::{Absent, NeverAfter, NeverBefore, Precedes};
-        if matches!(self, Absent | Precedes | NeverBefore | NeverAfter) { 2 } else { 3 }
+    /// Returns the index of the predicate without which nothing is claimed of a run: what is preceded calls
+    /// for the other, everything else begins with its first predicate.
+    pub(crate) fn opening(self) -> usize {
+        usize::from(self == MonitorKind::Precedes)
     }
 }
 
@@ -82,7 +82,7 @@ impl ScopeWord {
 impl Pattern {
     /// Returns the predicate without which the pattern says nothing about a run.
     pub(crate) fn opening(&self) -> &Pred {
-        &self.predicates[usize::from(self.kind == MonitorKind::Precedes)]
+        &self.predicates[self.kind.opening()]
     }
 
     /// Returns the pattern as it is written, normalised.
@@ -108,6 +108,8 @@ impl Pattern {
             _ => last.text(),
         });
         let scope = match self.kind {
+            // The monitor needs what is claimed first.
+            MonitorKind::Precedes => return format!("before {} eventually {}", part(1), of(0)),
             MonitorKind::NeverBefore => format!("before {}", part(0)),
             MonitorKind::NeverBetween | MonitorKind::SomeBetween => {
                 format!("between {} and {}", part(0), part(1))

@@ -18,6 +18,34 @@ fn mistakes_are_explained() {
 }
 
 #[test]
+fn patterns_are_told_as_they_are_written() {
+    for text in [
+        "absent b after a for 3 ms",
+        "lasts a >= 2 ms",
+        "a precedes b",
+        "before a never b",
+        "before a always b",
+        "before a eventually b",
+        "after a never b or c",
+        "after a until b always c",
+        "between (a or b) and not c eventually d.e",
+        "between a and b never not c",
+    ] {
+        let check = parse_check(text).expect(text).remove(0);
+        let CheckKind::Pattern(pattern) = check.kind else { panic!("{text}: {:?}", check.kind) };
+        assert_eq!(pattern.text(), text);
+    }
+    let kinds = |text: &str| parse_check(text).map(|checks| checks.len());
+    assert_eq!(kinds("within a => b in [5, 20] ms"), Ok(2));
+    assert_eq!(kinds("within a => b in [0, 20] ms"), Ok(1));
+    let open = parse_check("within a => b in [5, *] ms").expect("a check").remove(0);
+    assert!(matches!(open.kind, CheckKind::Pattern(_)), "b need not come: {:?}", open.kind);
+    for nothing in ["within a => b in [0, *] ms", "lasts a >= 0 ms", "absent a after b for 0 s"] {
+        assert_eq!(parse_check(nothing).expect_err(nothing).code, "scn-interval");
+    }
+}
+
+#[test]
 fn the_time_after_a_moment_is_no_predicate() {
     for (check, is_right) in [
         ("never sensor.acquire.tick and control.move", true),

@@ -51,15 +51,15 @@ impl Parser<'_> {
             }
             "within" => {
                 let (p, q) = self.implication()?;
-                let mut responses = vec![q];
-                while self.eat_word("then") {
-                    responses.push(self.pred()?);
+                if self.word() == "in" {
+                    self.between_times((p, q), start)?
+                } else {
+                    let mut responses = vec![q];
+                    while self.eat_word("then") {
+                        responses.push(self.pred()?);
+                    }
+                    CheckKind::Within(p, responses, self.bound()?)
                 }
-                let bound = match &responses[..] {
-                    [q] if self.word() == "in" => self.between_times((&p, q), start)?,
-                    _ => self.bound()?,
-                };
-                CheckKind::Within(p, responses, bound)
             }
             "absent" | "lasts" | "before" | "after" | "between" => self.pattern(word)?,
             "reaction" => CheckKind::Chain(ChainKind::Reaction, self.chain()?, self.bound()?),

@@ -1,6 +1,7 @@
 //! Checks of patterns of predicates in time.
 
 use super::{CHECKS, Parser};
+use crate::diagnostic::Diagnostic;
 use crate::scn::ast::{
     Bound, Check, CheckKind, Interval, MonitorKind, Pattern, PatternForm, Pred, ScopeWord, Unit,
 };
@@ -31,19 +32,31 @@ impl Parser<'_> {
         Some(pattern(PatternForm::Precedes, MonitorKind::Precedes, vec![p, q], None))
     }
 
-    /// Parses `in [5, 20] ms` after `within P => Q`: returns the upper bound, and leaves a check of the lower
-    /// one.
-    pub(super) fn between_times(&mut self, (p, q): (&Pred, &Pred), start: usize) -> Option<Bound> {
+    /// Parses `in [5, 20] ms` after `within P => Q`. With both bounds, the check is of the upper one, and one
+    /// of the lower bound is left to follow it.
+    pub(super) fn between_times(
+        &mut self,
+        (p, q): (Pred, Pred),
+        start: usize,
+    ) -> Option<CheckKind> {
         self.expect_word("in")?;
         let Interval { lower, upper } = self.interval()?;
         let unit = self.unit()?;
-        if lower > 0 {
-            let predicates = vec![p.clone(), q.clone()];
-            let time = Some((lower, unit));
-            let kind = pattern(PatternForm::Lower, MonitorKind::Absent, predicates, time);
-            self.lower.push(Check { name: None, subject: None, kind, range: start..self.end() });
+        let predicates = vec![p.clone(), q.clone()];
+        let time = Some((lower, unit));
+        let least = pattern(PatternForm::Lower, MonitorKind::Absent, predicates, time);
+        match upper {
+            None if lower == 0 => self.no_claim(start),
+            // Q need not come.
+            None => Some(least),
+            Some(upper) => {
+                if lower > 0 {
+                    let range = start..self.end();
+                    self.lower.push(Check { name: None, subject: None, kind: least, range });
+                }
+                Some(CheckKind::Within(p, vec![q], Some((upper, unit))))
+            }
         }
-        Some(upper.map(|upper| (upper, unit)))
     }
 
     /// Parses a pattern after its first word.
@@ -115,8 +128,17 @@ impl Parser<'_> {
     }
 
     fn time(&mut self) -> Option<(u64, Unit)> {
+        let start = self.range().start;
         let count = self.number()?;
-        Some((count, self.unit()?))
+        let unit = self.unit()?;
+        if count == 0 { self.no_claim(start) } else { Some((count, unit)) }
+    }
+
+    /// Reports a time that every run keeps.
+    fn no_claim<T>(&mut self, start: usize) -> Option<T> {
+        let message = "this time claims nothing; give at least 1".to_owned();
+        self.errors.push(Diagnostic::error("scn-interval", start..self.end(), message));
+        None
     }
 
     fn expect_word(&mut self, word: &str) -> Option<()> {
