@@ -77,10 +77,10 @@ pub fn translate(prepared: &Prepared, place: &Place) -> Result<Network, Vec<Refu
 /// Returns a name that two parts of a network have: `a_b` of `c`, and `a` of `b_c`.
 fn shared_name(network: &Network) -> Option<&str> {
     let Network { variables, clocks, channels, processes, .. } = network;
-    let mut all: Vec<&str> = (variables.iter().map(|it| &*it.name))
-        .chain(clocks.iter().map(|it| &*it.name))
-        .chain(channels.iter().map(|it| &*it.0))
-        .chain(processes.iter().map(|it| &*it.name))
+    let mut all: Vec<&str> = (variables.iter().map(|variable| &*variable.name))
+        .chain(clocks.iter().map(|clock| &*clock.name))
+        .chain(channels.iter().map(|(channel, _)| &**channel))
+        .chain(processes.iter().map(|process| &*process.name))
         .collect();
     all.sort_unstable();
     all.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0])

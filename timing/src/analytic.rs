@@ -141,7 +141,7 @@ impl<'s> Analysis<'s> {
         analysis.windows = (periods.into_iter())
             .map(|period| {
                 let all = windows(system, &situations, period).into_iter();
-                let all = all.map(|it| analysis.window(it.requests, &parties, &excluded));
+                let all = all.map(|window| analysis.window(window.requests, &parties, &excluded));
                 (period, all.collect())
             })
             .collect();

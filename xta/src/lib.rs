@@ -188,6 +188,15 @@ impl Network {
         self.processes.len()
     }
 
+    /// Greatest size of a symbolic state in memory, in bytes: a bound of each pair of clocks, and the
+    /// integers.
+    pub fn state_bytes(&self) -> usize {
+        const OVERHEAD: usize = 128;
+        let rows = self.program.clocks.len() + 1;
+        let numbers = rows * rows + self.program.initial.len();
+        numbers * size_of::<i32>() + OVERHEAD
+    }
+
     /// Number of clocks.
     pub fn clocks(&self) -> usize {
         self.program.clocks.len()

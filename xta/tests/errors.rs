@@ -30,6 +30,8 @@ fn names_and_types_are_checked() {
     assert_eq!(with("int a := b;"), "1:10: unknown name `b`");
     assert_eq!(with("int[0, 3] a := 4;"), "1:16: value 4 is out of the range [0, 3]");
     assert_eq!(with("int a; int a;"), "1:12: `a` is declared twice");
+    // Processes and variables have one scope.
+    assert!(with("int P;").ends_with("`P` is declared twice"), "{}", with("int P;"));
     assert_eq!(with("int a[2] := {1};"), "1:13: expected 2 values, found 1");
     assert_eq!(with("int f() { return f(); }"), "1:18: unknown name `f`");
     assert_eq!(with("int n; int a[n];"), "1:14: expected a constant");

@@ -237,7 +237,9 @@ fn checks(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::
             title(check),
             value(check.greatest, unit),
             value(check.limit, unit),
-            check.probability.map_or(String::new(), |it| format!("{:.4} … {:.4}", it.low, it.high)),
+            check.probability.map_or(String::new(), |estimate| {
+                format!("{:.4} … {:.4}", estimate.low, estimate.high)
+            }),
         ]
     });
     let rows: Vec<_> = rows.collect();

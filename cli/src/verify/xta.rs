@@ -42,7 +42,8 @@ pub(super) fn run(file: &Utf8Path, arguments: &Arguments) -> anyhow::Result<Outc
     }
     let flag = Arc::new(AtomicBool::new(false));
     let limits = Limits {
-        states: arguments.max_states.unwrap_or(Limits::default().states),
+        states: (arguments.max_states.unwrap_or(Limits::default().states))
+            .min((arguments.max_memory.saturating_mul(1 << 20)) / network.state_bytes()),
         cancel: Some(flag.clone()),
     };
     let interrupt = interrupt::on_terminal();

@@ -242,7 +242,7 @@ impl<'s> Window<'s> {
             .collect();
         let permanent = system.tasks.iter().filter_map(|task| task.permanent);
         let starts: Vec<CodelId> =
-            permanent.filter_map(|it| executed_once(system.machine_of(it))).collect();
+            permanent.filter_map(|automaton| executed_once(system.machine_of(automaton))).collect();
         let rivals = threads.into_iter().enumerate().map(|(thread, codels)| {
             let rival = |(codel, often): (CodelId, Option<u32>)| {
                 let waits = |&other: &usize| other != thread && waits_for[other].contains(codel);

@@ -236,7 +236,7 @@ pub(super) fn stops(system: &TimedSystem, situations: &[Situations]) -> TiVec<Au
         let tasks = system.components[component].tasks.iter();
         tasks
             .filter_map(|&task| system.tasks[task].permanent)
-            .any(|it| throws(system.machine_of(it)))
+            .any(|automaton| throws(system.machine_of(automaton)))
     };
     let stops = |automaton: &Automaton| {
         let interrupted = automaton.service.is_some_and(|service| {
@@ -293,7 +293,8 @@ fn greatest(mut all: Vec<ClientWindow>) -> Vec<ClientWindow> {
     let within = |one: &ClientWindow, other: &ClientWindow| {
         let mut pairs = one.requests.iter().zip(&other.requests);
         other.begins <= one.begins
-            && pairs.all(|(one, other)| other.is_none() || one.is_some_and(|it| Some(it) <= *other))
+            && pairs
+                .all(|(one, other)| other.is_none() || one.is_some_and(|one| Some(one) <= *other))
     };
     all.sort();
     all.dedup();

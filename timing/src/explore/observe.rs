@@ -14,7 +14,7 @@ pub(crate) struct Observer {
     pub(crate) responses: Vec<Predicate>,
 }
 
-/// What is observed along runs.
+/// The observers and monitors of a run.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Observers {
     pub(crate) responses: Vec<Observer>,
@@ -64,8 +64,8 @@ pub(crate) fn observe<R: Rules>(
     observe_with_reports(rules, observers, before, now, |_, _| {});
 }
 
-/// The same. `met` gets the observer of each obligation that is met, and the time for which the obligation
-/// was open.
+/// Opens and closes the obligations of observers and moves the monitors, as [`observe`] does. `met` gets the
+/// observer of each obligation that is met, and the time for which the obligation was open.
 ///
 /// Among obligations at the same stage, only the oldest is kept: the event that meets it meets the others as
 /// well. An obligation at a later stage is older than one at an earlier stage, because the event that

@@ -21,7 +21,7 @@ pub(crate) const INITIAL: u16 = 0;
 pub(crate) const VIOLATED: u16 = 1;
 /// Between the first predicate and the second.
 const OPEN: u16 = 2;
-/// The same, and the third predicate has held.
+/// Between the first predicate and the second, after the third has held.
 const SEEN: u16 = 3;
 /// Nothing can violate the monitor any more.
 const OVER: u16 = 4;
@@ -79,7 +79,7 @@ impl Monitor {
         }
     }
 
-    /// The same, for the kinds with an interval from one predicate to another.
+    /// Returns the next location of the kinds with an interval from one predicate to another.
     fn interval(&self, location: u16, holds: impl Fn(usize) -> bool) -> u16 {
         if holds(1) {
             let is_wrong = match self.kind {

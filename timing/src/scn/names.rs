@@ -333,7 +333,8 @@ pub(crate) fn for_each_path<'s>(scenario: &'s Scenario, each: &mut impl FnMut(&'
             Item::Client(client) => {
                 steps(&client.steps, each);
                 let components = client.trigger.iter();
-                let components = components.filter(|it| it.kind != TriggerKind::Violation);
+                let components =
+                    components.filter(|trigger| trigger.kind != TriggerKind::Violation);
                 components.flat_map(|trigger| &trigger.of).for_each(&mut *each);
             }
             Item::Check(check) => {

@@ -7,7 +7,7 @@ use super::values::{Bound, Pred};
 pub struct Pattern {
     /// Form.
     pub form: PatternForm,
-    /// What is watched for.
+    /// Requirement.
     pub kind: MonitorKind,
     /// The predicates of the kind, in its order.
     pub predicates: Vec<Pred>,
@@ -15,7 +15,7 @@ pub struct Pattern {
     pub time: Bound,
 }
 
-/// What a monitor watches for. *P*, *Q* and *R* are its predicates, in this order.
+/// The requirement that a monitor checks. *P*, *Q* and *R* are its predicates, in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum MonitorKind {
     /// *Q* does not hold from a moment at which *P* becomes true until just before the time is over.
@@ -42,7 +42,7 @@ impl MonitorKind {
     }
 }
 
-/// How a pattern is written.
+/// The written form of a pattern.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PatternForm {
     /// `within P => Q in [5, …] ms`: the lower bound.
@@ -57,7 +57,7 @@ pub enum PatternForm {
     Scope(ScopeWord),
 }
 
-/// What is claimed of the last predicate in a scope.
+/// The claim about the last predicate of a scope.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ScopeWord {
     /// It does not hold.

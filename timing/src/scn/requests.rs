@@ -166,7 +166,7 @@ fn without_comments(text: &str) -> String {
             rest = &comment[1..];
             continue;
         };
-        out.extend(comment[..end].chars().map(|it| if it == '\n' { '\n' } else { ' ' }));
+        out.extend(comment[..end].chars().map(|letter| if letter == '\n' { '\n' } else { ' ' }));
         rest = &comment[end..];
     }
     out + rest
@@ -207,7 +207,7 @@ impl RequestList {
             }
             if request.cycles > 0 {
                 let [lower, upper] =
-                    [self.cycle.0, self.cycle.1].map(|it| it.saturating_mul(request.cycles));
+                    [self.cycle.0, self.cycle.1].map(|time| time.saturating_mul(request.cycles));
                 out.steps.push(if lower == upper {
                     format!("delay {lower} {};", unit.name())
                 } else {
@@ -283,7 +283,7 @@ from wait_after_rqst
     fn names(text: &str) -> Result<Vec<(String, u64, bool)>, usize> {
         let list = parse(text).map_err(|error| error.line)?;
         let all = list.requests.into_iter();
-        Ok(all.map(|it| (it.name, it.cycles, it.awaited)).collect())
+        Ok(all.map(|request| (request.name, request.cycles, request.awaited)).collect())
     }
 
     #[test]

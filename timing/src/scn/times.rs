@@ -119,7 +119,7 @@ mod tests {
 
     fn pairs(text: &str) -> Result<Vec<(String, Seconds)>, (usize, String)> {
         let all = parse(text).map_err(|error| (error.line, error.what))?;
-        Ok(all.into_iter().map(|it| (it.function, it.time)).collect())
+        Ok(all.into_iter().map(|given| (given.function, given.time)).collect())
     }
 
     #[test]

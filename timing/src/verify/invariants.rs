@@ -107,7 +107,13 @@ impl Group<'_> {
                 _ => Verdict::Proved,
             },
             // Invariants do not depend on durations.
-            conditions: self.built.conditions.iter().filter(|it| !it.is_wcet()).cloned().collect(),
+            conditions: self
+                .built
+                .conditions
+                .iter()
+                .filter(|condition| !condition.is_wcet())
+                .cloned()
+                .collect(),
             soundness: Soundness::Exact,
             by: Some(Layer::Invariants),
             note: Some(NOTE.to_owned()),

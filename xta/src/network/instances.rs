@@ -55,6 +55,14 @@ pub(crate) fn system(model: &Model) -> Res<(Program, Vec<Process>)> {
             }
         }
     }
+    // Processes and variables have one scope.
+    let names_of_processes = (templates.values().map(|process| &process.name))
+        .chain(instances.values().map(|instance| &instance.name));
+    for name in names_of_processes {
+        if program.global.contains_key(&name.text) {
+            return fail(name.at, format!("`{}` is declared twice", name.text));
+        }
+    }
     let mut processes = Vec::new();
     for (index, (name, priority)) in names.into_iter().enumerate() {
         let instance = instances.get(name.text.as_str()).copied();

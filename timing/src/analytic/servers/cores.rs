@@ -105,7 +105,7 @@ impl Window<'_> {
         };
         let together = wait(&mut rivals.iter()).and_then(|wait| length.checked_add(wait));
         if self.system.preempts() {
-            let while_own = wait(&mut rivals.iter().filter(|it| priority(it.thread) <= own));
+            let while_own = wait(&mut rivals.iter().filter(|rival| priority(rival.thread) <= own));
             let while_ahead = last.map_or(Some(0), |last| {
                 // While the only one has no core, it does not keep another one from it.
                 let is_apart = |rival: &Rival| ahead == [rival.thread];
@@ -192,7 +192,7 @@ impl Window<'_> {
         let services = self.system.components[component].services.iter();
         let each = services.map(|&service| {
             let times = self.control_codels(service);
-            let time: u64 = times.map(|it| u64::from(self.system.codels[it].upper)).sum();
+            let time: u64 = times.map(|codel| u64::from(self.system.codels[codel].upper)).sum();
             match self.client.requests[service] {
                 Some(count) => time.checked_mul(u64::from(count)),
                 None => (time == 0).then_some(0),

@@ -44,7 +44,7 @@ pub enum Seen {
     Missed { task: usize },
     /// A job waits for a core for at least the period of its task.
     Overdue { task: usize },
-    /// What a monitor of [`Watched::monitors`](super::Watched::monitors) watches begins.
+    /// The predicate that opens a monitor of [`Watched::monitors`](super::Watched::monitors) has become true.
     Opened {
         /// Index of the monitor.
         monitor: usize,

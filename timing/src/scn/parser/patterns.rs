@@ -7,7 +7,7 @@ use crate::scn::ast::{
 };
 use crate::scn::lexer::Kind;
 
-/// What a scope can claim.
+/// Claims of scopes.
 const CLAIMS: &[(&str, ScopeWord)] = &[
     ("never", ScopeWord::Never),
     ("always", ScopeWord::Always),

@@ -15,7 +15,8 @@ impl Builder<'_> {
         self.out.conditions = codels.map(|codel| Condition::Wcet { codel }).collect();
         for &index in included {
             let Member { spec, component, .. } = self.names.components[index];
-            let Some(at) = spec.components.iter().position(|it| it.name == component.name) else {
+            let Some(at) = spec.components.iter().position(|other| other.name == component.name)
+            else {
                 continue;
             };
             let unknown = spec.unknown_interfaces(at as u32).into_iter();

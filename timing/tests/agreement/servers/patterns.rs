@@ -21,13 +21,17 @@ impl Pattern {
     pub(crate) fn new(system: &System, written: &ast::Pattern) -> Pattern {
         Pattern {
             kind: written.kind,
-            predicates: written.predicates.iter().map(|it| predicate(system, it)).collect(),
+            predicates: written
+                .predicates
+                .iter()
+                .map(|operand| predicate(system, operand))
+                .collect(),
             time: written.time.map_or(0, |(count, _)| count as u32),
         }
     }
 }
 
-/// What is remembered of a run.
+/// The memory that a pattern has of a run.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
 pub(super) struct Memory {
     /// Times since each moment at which the first predicate became true, as long as they count.
@@ -48,7 +52,7 @@ impl Interpreter<'_> {
             let first = &pattern.predicates[0];
             let was = before.is_some_and(|before| self.holds(Some(before), before, first));
             let values: Vec<bool> =
-                pattern.predicates.iter().map(|it| self.holds(before, now, it)).collect();
+                pattern.predicates.iter().map(|operand| self.holds(before, now, operand)).collect();
             memory.violated |= violates(pattern, &mut memory, was, &values);
             now.patterns[i] = memory;
         }
