@@ -75,3 +75,15 @@ fn parts_with_one_name_are_refused() {
     };
     assert!(refusal.starts_with("not exported: `two parts with one name`"), "{refusal}");
 }
+
+#[test]
+fn asynchronous_codels_with_a_thread_of_their_own_are_refused() {
+    let specification = "component c { version \"1\"; lang \"c\"; task t { period 5 ms;
+        async codel<start> a() yield pause::start wcet 1 ms; }; };";
+    let scenario = "scenario s { semantics servers; unit 1 ms; async free; check schedulable *; }";
+    let system = System::of_texts(&[specification.to_owned()], scenario).expect("no errors");
+    let prepared = system.prepared(&Options::default());
+    let found = export(&prepared, &|_, _| None, Format::Uppaal).expect_err("it is refused");
+    let found: Vec<String> = found.iter().map(ToString::to_string).collect();
+    assert_eq!(found, ["not exported: `async free` of c.t"]);
+}

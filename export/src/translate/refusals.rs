@@ -49,6 +49,11 @@ pub(super) fn of_system(prepared: &Prepared) -> Vec<Refusal> {
     if system.platform.cores.is_some() && !matches!(policy, Policy::Fifo | Policy::Any) {
         out.push(Refusal::new(&format!("policy {policy:?}").to_lowercase(), None));
     }
+    for machine in system.machines.iter().filter(|_| system.platform.async_free) {
+        if machine.states.iter().any(|state| state.is_async) {
+            out.push(Refusal::new("async free", Some(machine.name.clone())));
+        }
+    }
     for automaton in &system.automata {
         let machine = &system.machines[automaton.machine];
         if machine.loop_limit.is_some() {
