@@ -18,19 +18,16 @@ export function keyboard({ page }) {
     for (const key of text) await send(key === '\n' ? 'Enter' : key);
   };
   /**
-   * Runs a command of the palette. One opened early lacks the commands of extensions, and drops what is typed while it is
-   * filled: then it is opened again, and only the last try counts.
+   * Presses `key`, then `then`, until `row` shows; only the last try counts. A key pressed while the workbench is busy is lost,
+   * and a list that opened early may stay without its rows.
    */
-  const command = async (words, title) => {
+  const pressUntil = async (key, then, row) => {
     const before = { ...count };
-    const row = page.locator('.quick-input-list .monaco-list-row.focused', { hasText: title }).first();
     for (let attempt = 0; ; attempt++) {
-      await press('F1');
-      await input.waitFor();
-      await type(words);
+      await press(key);
       try {
-        await row.waitFor({ timeout: LOST_MS });
-        return await press('Enter');
+        await then();
+        return await row.waitFor({ timeout: LOST_MS });
       } catch (error) {
         if (attempt === 4) throw error;
         Object.assign(count, before);
@@ -38,5 +35,16 @@ export function keyboard({ page }) {
       }
     }
   };
-  return { count, input, press, type, command };
+  /** Runs a command of the palette. One opened early lacks the commands of extensions, and drops what is typed while it is filled. */
+  const command = async (words, title) => {
+    const typed = async () => {
+      await input.waitFor({ timeout: LOST_MS });
+      await type(words);
+    };
+    await pressUntil('F1', typed, page.locator('.quick-input-list .monaco-list-row.focused', { hasText: title }).first());
+    await press('Enter');
+  };
+  /** Shows the code actions at the cursor, the first of them with `text`; Enter chooses it. Lenses that arrive meanwhile close the menu. */
+  const actions = (text = '') => pressUntil('Control+.', async () => {}, page.locator('.action-widget .monaco-list-row.focused', { hasText: text }).first());
+  return { count, input, press, pressUntil, type, command, actions };
 }

@@ -11,7 +11,7 @@ const MOST_TYPED = 13;
 
 export function checks(wb) {
   const { page } = wb;
-  const { count, input, press, type, command } = keyboard(wb);
+  const { count, input, press, type, command, actions } = keyboard(wb);
   const titled = (text) => page.locator('.quick-input-title', { hasText: text });
   const lens = (text) => page.locator('.codelens-decoration a', { hasText: text }).first();
 
@@ -39,8 +39,7 @@ export function checks(wb) {
       await type('23');
       await press('Enter', 'End', 'Backspace');
       await wb.squiggles().first().waitFor();
-      await press('Control+.');
-      await page.locator('.action-widget .monaco-list-row.focused').first().waitFor();
+      await actions();
       await wb.shot('keyboard-3-fix.png');
       await press('Enter');
       await wb.squiggles().first().waitFor({ state: 'detached' });

@@ -12,7 +12,7 @@ const MOST_PRESSES = 120;
 
 export function checks(wb) {
   const { page } = wb;
-  const { count, press, type, command } = keyboard(wb);
+  const { count, press, pressUntil, type, command, actions } = keyboard(wb);
   const titled = (text) => page.locator('.quick-input-title', { hasText: text });
   const lens = (text) => page.locator('.contentWidgets .codelens-decoration a', { hasText: text }).first();
   const errors = wb.squiggles();
@@ -37,13 +37,11 @@ export function checks(wb) {
       // The error of the whole line: while it is typed, there are others, each a character wide.
       const wide = () => [...document.querySelectorAll('.squiggly-error')].some((it) => it.getBoundingClientRect().width > 54);
       await page.waitForFunction(wide);
-      await press('F8');
-      await marker.filter({ hasText: 'did you mean `speed`?' }).first().waitFor();
+      await pressUntil('F8', async () => {}, marker.filter({ hasText: 'did you mean `speed`?' }).first());
       await wb.shot('keys-2-broken.png');
     }],
     ['the first fix repairs it', async () => {
-      await press('Control+.');
-      await page.locator('.action-widget .monaco-list-row', { hasText: 'speed' }).first().waitFor();
+      await actions('speed');
       await press('Enter');
       await errors.first().waitFor({ state: 'detached' });
       await press('Control+S');
