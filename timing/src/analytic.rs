@@ -41,9 +41,11 @@ use self::demand::{Demand, Jobs, Kind};
 pub use self::reaction::reaction_bound;
 use self::rivals::{Rivals, excluded};
 use self::ways::{Ways, resumed};
-use self::windows::{Requests, situations, whole_run, windows};
+use self::windows::{Requests, Situations, situations, whole_run, windows};
 use crate::scn::semantics::Semantics;
-use crate::system::{AutomatonId, CodelId, CodelSet, FOREVER, TaskId, Ticks, TimedSystem};
+use crate::system::{
+    AutomatonId, CodelId, CodelSet, FOREVER, ServiceId, TaskId, Ticks, TimedSystem,
+};
 
 /// Returns a bound on the response time of every task, or `None` where this method finds none. Under the
 /// semantics of the servers other things delay a job, and a separate method applies (see `servers`). If
@@ -132,7 +134,8 @@ impl<'s> Analysis<'s> {
         };
         let excluded = excluded(system);
         let situations = situations(system);
-        let parties = instances::of_one_job(system, &situations);
+        let parties = tasks.clone().map(|task| automata_of_parties(system, &situations, task));
+        let parties: TiVec<TaskId, _> = parties.collect();
         analysis.whole = analysis.window(whole_run(system), &parties, &excluded);
         analysis.started = tasks.map(|task| analysis.started(task, &excluded)).collect();
         let mut periods: Vec<Ticks> = system.tasks.iter().filter_map(|task| task.period).collect();
@@ -396,6 +399,31 @@ impl<'s> Analysis<'s> {
         let task = &self.system.tasks[task];
         u64::from(task.period.unwrap_or(0)) + u64::from(task.delay)
     }
+}
+
+/// Returns sets of automata. All automata of a task that have a turn in one job belong to one of these sets.
+fn automata_of_parties(
+    system: &TimedSystem,
+    situations: &[Situations],
+    task: TaskId,
+) -> Vec<Vec<AutomatonId>> {
+    let definition = &system.tasks[task];
+    let permanent: Vec<AutomatonId> = definition.permanent.into_iter().collect();
+    let Some(parties) = instances::of_one_job(system, situations, task) else {
+        return vec![[&permanent[..], &definition.slots[..]].concat()];
+    };
+    let automata = |party: &Vec<ServiceId>| {
+        let mut out = permanent.clone();
+        for &service in party {
+            let slots = system.services[service].slots.iter();
+            let mut own = slots.filter(|slot| system.automata[**slot].task == task);
+            let free = own.find(|slot| !out.contains(slot)).copied();
+            out.extend(free);
+        }
+        out.sort_unstable();
+        out
+    };
+    parties.iter().map(automata).collect()
 }
 
 fn turns_in_jobs(system: &TimedSystem, automaton: AutomatonId) -> Ways {

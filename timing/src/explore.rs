@@ -40,7 +40,7 @@ pub use reductions::{Activity, Kind, Kinds, Reason};
 pub use rules::{Action, IdleTurn, Moment, MomentKind, Work};
 pub use run::{Run, SystemRun};
 pub use search::{
-    ZoneFindings, explore, explore_with_reports, search_once, search_zones, walk_to_long_responses,
+    Walked, ZoneFindings, explore, explore_with_reports, search_once, search_zones, walk,
 };
 pub use spans::{ChainSpans, Span, Spent};
 pub use stepper::{Possible, Seen, Stepper, Watched};

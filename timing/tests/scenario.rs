@@ -22,7 +22,7 @@ use std::time::Duration;
 use dotgen_analysis::host::UnitResult;
 use dotgen_loaders::unit;
 use dotgen_timing::derive::{largest_wcet, minimum_cores, smallest_period};
-use dotgen_timing::explore::Stop;
+use dotgen_timing::explore::{Kind, Kinds, Stop};
 use dotgen_timing::report::{CheckReport, Report, Soundness, Value, Verdict};
 use dotgen_timing::scn::ast::{Path, Spanned};
 use dotgen_timing::scn::names::Names;
@@ -361,8 +361,13 @@ fn what_fails_without_requests_is_found_whatever_clients_may_do() {
     assert!(run.iter().all(|run| !run.what.contains("request")), "{run:?}");
     // A client that has to send at once cannot be left out.
     let text = text.replace("delay [0, *] ms; ", "delay 1 ms; ");
+    options.limits.without = options.limits.without.with(Kind::RandomSearch);
     let report = verify(&input, &parse(&text).scenario, &options, &Cancel::default());
     assert_eq!(report.checks[0].verdict, Verdict::Unknown);
+    // Random walks do not need the states before.
+    options.limits.without = Kinds::NONE;
+    let report = verify(&input, &parse(&text).scenario, &options, &Cancel::default());
+    assert_eq!(report.checks[0].verdict, Verdict::Refuted);
 }
 
 #[test]

@@ -1,78 +1,67 @@
 //! The activities that can be under way at the same time, according to the order of requests.
 
 use rustc_hash::FxHashSet;
-use typed_index_collections::TiVec;
 
-use super::windows::{Situations, UnderWay};
-use crate::system::{AutomatonId, TaskId, TimedSystem};
+use super::windows::Situations;
+use crate::system::{ServiceId, TaskId, TimedSystem};
 
-/// Number of combinations of activities of a task above which all slots are assumed to be in use.
+/// Number of combinations of activities of a task above which they are not told apart.
 const COMBINATIONS: usize = 32;
 
-/// Returns, by task, sets of automata. All automata that have a turn in one job belong to one of these sets.
+/// Services, in order; one occurs as often as it has instances.
+pub(super) type Party = Vec<ServiceId>;
+
+/// Returns parties of a task. All activities that have a turn in one job belong to one of them. `None`: no
+/// such parties are known.
 ///
-/// An activity that has had a turn in a job keeps its slot until the job has ended, so all of these slots are
-/// in use at its end.
+/// With `semantics published`, an activity that has had a turn in a job keeps its slot until the job has
+/// ended. With `semantics servers`, the first pass of a cycle begins the activities, and reports those that
+/// have ended only after it. So at one moment, the client has not seen the end of any of them. An aperiodic
+/// task begins activities in any pass.
 pub(super) fn of_one_job(
     system: &TimedSystem,
     situations: &[Situations],
-) -> TiVec<TaskId, Vec<Vec<AutomatonId>>> {
-    let live = |situations: &Situations| {
-        let all = situations.as_ref()?.iter();
-        Some(all.map(|situation| situation.1.clone()).collect())
-    };
-    let live: Vec<Option<FxHashSet<UnderWay>>> = situations.iter().map(live).collect();
-    let of_task = |task: TaskId| {
-        let definition = &system.tasks[task];
-        let permanent: Vec<AutomatonId> = definition.permanent.into_iter().collect();
-        let all = || FxHashSet::from_iter([[&permanent[..], &definition.slots[..]].concat()]);
-        // An activity with threads of its own frees its slot at its end, independently of jobs.
-        if system.runs_apart(task) {
-            return all().into_iter().collect();
-        }
-        let mut sets = FxHashSet::from_iter([permanent.clone()]);
-        for live in &live {
-            let with = |set: &Vec<AutomatonId>| -> Option<Vec<Vec<AutomatonId>>> {
-                let live = live.as_ref()?.iter();
-                let more = live.map(|live| with_slots(system, task, set, live));
-                Some(more.collect())
-            };
-            let next: Option<Vec<Vec<Vec<AutomatonId>>>> = sets.iter().map(with).collect();
-            let Some(next) = next else {
-                sets = all();
-                break;
-            };
-            sets = next.into_iter().flatten().collect();
-            let within = |one: &Vec<AutomatonId>, other: &Vec<AutomatonId>| {
-                one.len() < other.len() && one.iter().all(|index| other.contains(index))
-            };
-            let most = sets.iter().filter(|&names| !sets.iter().any(|other| within(names, other)));
-            sets = most.cloned().collect();
-            if sets.len() > COMBINATIONS {
-                sets = all();
-                break;
-            }
-        }
-        sets.into_iter().collect()
-    };
-    system.tasks.keys().map(of_task).collect()
-}
-
-/// Adds slots for the live instances.
-fn with_slots(
-    system: &TimedSystem,
     task: TaskId,
-    set: &[AutomatonId],
-    live: &UnderWay,
-) -> Vec<AutomatonId> {
-    let mut out = set.to_vec();
-    for &(service, _) in live {
-        let slots = system.services[service].slots.iter();
-        let mut free = slots.filter(|&&a| system.automata[a].task == task && !out.contains(&a));
-        if let Some(&slot) = free.next() {
-            out.push(slot);
+) -> Option<Vec<Party>> {
+    let is_published = system.platform.semantics.is_published();
+    // An activity with threads of its own frees its slot at its end, independently of jobs.
+    if system.runs_apart(task) || !is_published && system.tasks[task].period.is_none() {
+        return None;
+    }
+    let is_own = |service: ServiceId| {
+        let slots = &system.services[service].slots;
+        slots.iter().any(|&slot| system.automata[slot].task == task)
+    };
+    let mut parties = vec![Party::new()];
+    for situations in situations {
+        let of_client = situations.as_ref()?.iter().map(|(_, under_way)| {
+            let services = under_way.iter().map(|(service, _)| *service);
+            services.filter(|service| is_own(*service)).collect()
+        });
+        let of_client = greatest(of_client.collect());
+        let both = |one: &Party, other: &Party| {
+            let mut both = [&one[..], other].concat();
+            both.sort_unstable();
+            both
+        };
+        let all =
+            parties.iter().flat_map(|one| of_client.iter().map(move |other| both(one, other)));
+        parties = greatest(all.collect());
+        if parties.len() > COMBINATIONS {
+            return None;
         }
     }
+    Some(parties)
+}
+
+/// Leaves out the parties that are part of others.
+fn greatest(all: FxHashSet<Party>) -> Vec<Party> {
+    let is_part = |one: &Party, whole: &Party| {
+        let mut rest = whole.iter();
+        one.len() < whole.len() && one.iter().all(|service| rest.any(|other| other == service))
+    };
+    let mut out: Vec<Party> =
+        all.iter().filter(|one| !all.iter().any(|whole| is_part(one, whole))).cloned().collect();
     out.sort_unstable();
     out
 }

@@ -13,8 +13,8 @@
 //! A moment before the start of a task waits for this start: tasks of a component are started one after the
 //! other, each after the first pass of the previous one, and begin with a tick.
 
-use super::servers::{self, Window};
-use super::windows::{ClientWindow, situations, stops, whole_run};
+use super::servers::{self, Turns, Window};
+use super::windows::{ClientWindow, situations, whole_run};
 use crate::scn::semantics::Semantics;
 use crate::system::loops::pauseless_cycles;
 use crate::system::{CodelId, Machine, TaskId, Ticks, TimedSystem, Yield};
@@ -30,16 +30,9 @@ pub fn reaction_bound(system: &TimedSystem, ways: &[Vec<CodelId>]) -> Option<Tic
     if !simple {
         return None;
     }
-    let stops = stops(system, &situations(system));
-    let tasks = Tasks {
-        system,
-        window: Window::new(
-            system,
-            ClientWindow { requests: whole_run(system), begins: 0 },
-            None,
-            &stops,
-        ),
-    };
+    let turns = Turns::new(system, &situations(system));
+    let client = ClientWindow { requests: whole_run(system), begins: 0 };
+    let tasks = Tasks { system, window: Window::new(&turns, client, None) };
     ways.iter().filter_map(|way| tasks.way(way)).min()
 }
 

@@ -5,8 +5,9 @@
 //! tickets come behind. The head of the queue waits for codels that execute, the next codel waits for the
 //! head to begin, and so on. Until the task has its turn, at most one codel of each other thread has ended
 //! for which a codel of a third thread or of the task waited. So a cycle takes at most the sum, over its
-//! codels, of their times and of the longest such codel of each other thread ([`Window::cycle`]). A codel
-//! that its activity executes only once counts once for each instance.
+//! codels, of their times and of the longest such codel of each other thread ([`Window::cycle`]). Instead, a
+//! thread may count with all such codels that it executes meanwhile: a codel that its activity executes only
+//! once counts once for each instance, and a periodic task executes only so many cycles.
 //!
 //! With fewer cores than tasks, a job also waits for cores ([`cores`]). What a task can execute in a window
 //! of time depends on the requests that play a part in it ([`super::windows`]): the bound is the greatest of
@@ -23,19 +24,19 @@
 //! Nothing here depends on the times at which codels end: the bounds hold for any duration up to the longest,
 //! also if it is not a whole number of units.
 
-use std::cell::OnceCell;
-
 use typed_index_collections::{TiVec, ti_vec};
 
-use super::windows::{ClientWindow, situations, stops, windows};
-use crate::system::loops::pauseless_cycles;
+use super::instances::Party;
+use super::windows::{ClientWindow, situations, windows};
 use crate::system::{
     AutomatonId, CodelId, CodelSet, FOREVER, Machine, ServiceId, TaskId, Ticks, TimedSystem, Yield,
 };
 
 mod cores;
+mod turns;
 
 pub(super) use self::cores::longest_wait;
+pub(super) use self::turns::Turns;
 
 /// Upper limit on the number of rounds: a quick bound must be quick.
 const ROUNDS: usize = 1000;
@@ -73,8 +74,10 @@ struct Known {
     after_tick: Option<u64>,
 }
 
+type Knowns = TiVec<TaskId, Known>;
+
 /// Returns the known times of each task.
-fn known(system: &TimedSystem, bounds: &TiVec<TaskId, Bound>) -> TiVec<TaskId, Known> {
+fn known(system: &TimedSystem, bounds: &TiVec<TaskId, Bound>) -> Knowns {
     let mut out = ti_vec![Known::default(); system.tasks.len()];
     for component in &system.components {
         // The earliest and the latest beginning of a first cycle.
@@ -119,12 +122,12 @@ pub(super) fn response_bounds(system: &TimedSystem) -> TiVec<TaskId, Option<Tick
         return none();
     };
     let situations = situations(system);
-    let stops = stops(system, &situations);
+    let turns = Turns::new(system, &situations);
     // The length of the windows of the jobs of each task, and the windows.
     let length = |task: TaskId| system.tasks[task].period.unwrap_or(longest);
     let of_task = |task: TaskId| -> Vec<Window> {
         let all = windows(system, &situations, length(task)).into_iter();
-        all.map(|client| Window::new(system, client, Some(length(task)), &stops)).collect()
+        all.map(|client| Window::new(&turns, client, Some(length(task)))).collect()
     };
     let all: TiVec<TaskId, Vec<Window>> = system.tasks.keys().map(of_task).collect();
     let mut bounds: TiVec<TaskId, Bound> =
@@ -175,6 +178,16 @@ pub(super) fn is_within_components(system: &TimedSystem) -> bool {
     })
 }
 
+/// How the codels of a thread count that keep a cycle waiting.
+enum Way {
+    /// Before each codel of the cycle, the longest one.
+    Each,
+    /// So, but those that the thread executes a limited number of times count with this time in all.
+    Unlimited(Ticks),
+    /// With this time in all.
+    Together(Ticks),
+}
+
 /// A codel that a thread can execute in a window.
 struct Rival {
     codel: CodelId,
@@ -197,38 +210,32 @@ impl Rival {
 /// The work of the system in a window of time.
 pub(super) struct Window<'s> {
     system: &'s TimedSystem,
+    turns: &'s Turns<'s>,
     client: ClientWindow,
     /// Its length; `None`: the whole run.
     length: Option<Ticks>,
-    /// By automaton: it can be interrupted, or stops because its component shuts down.
-    stops: &'s TiVec<AutomatonId, bool>,
     /// By thread (tasks, then control tasks): its codels for which another thread can wait.
     rivals: Vec<Vec<Rival>>,
     /// By thread: it can execute a codel, and takes a ticket before.
     takes_tickets: Vec<bool>,
     priorities: Vec<u64>,
-    /// Lengths of cycles, once they are known.
-    lengths: TiVec<TaskId, [OnceCell<Option<Ticks>>; 3]>,
 }
 
 impl<'s> Window<'s> {
     pub(super) fn new(
-        system: &'s TimedSystem,
+        turns: &'s Turns<'s>,
         client: ClientWindow,
         length: Option<Ticks>,
-        stops: &'s TiVec<AutomatonId, bool>,
     ) -> Window<'s> {
-        let priorities = system.priorities();
-        let lengths = system.tasks.iter().map(|_| Default::default()).collect();
+        let system = turns.system;
         let mut out = Window {
             system,
+            turns,
             client,
             length,
-            stops,
             rivals: Vec::new(),
             takes_tickets: Vec::new(),
-            priorities,
-            lengths,
+            priorities: system.priorities(),
         };
         let threads = out.codels_of_threads();
         out.takes_tickets = threads.iter().map(|codels| !codels.is_empty()).collect();
@@ -288,7 +295,7 @@ impl<'s> Window<'s> {
             states
         };
         let before_stop = after(machine.start);
-        let stop = self.stop_of(automaton).map_or(Vec::new(), after);
+        let stop = self.turns.stop_of(automaton).map_or(Vec::new(), after);
         let states = machine.states.iter().enumerate();
         let states = states.filter_map(|(state, entry)| {
             let ways = [&before_stop, &stop].into_iter().filter(|states| states.contains(&state));
@@ -328,31 +335,25 @@ impl<'s> Window<'s> {
         back
     }
 
-    /// Returns the state of an automaton after an interruption, if there can be one.
-    fn stop_of(&self, automaton: AutomatonId) -> Option<usize> {
-        self.system.machine_of(automaton).stop.filter(|_| self.stops[automaton])
-    }
-
-    /// Returns the longest time of each other thread of the component in codels of some kind for which a
-    /// task waits before a codel.
-    fn blocking(
+    /// Returns the codels of another thread for which a task can wait before a codel.
+    fn ahead(
         &self,
         task: TaskId,
         codel: CodelId,
-        counts: &dyn Fn(usize, &Rival) -> bool,
-    ) -> Option<Ticks> {
+        thread: usize,
+    ) -> impl Iterator<Item = &Rival> + '_ {
         let conflicts = &self.system.codels[codel].conflicts;
-        let waits = |rival: &&Rival| {
+        let waits = move |rival: &&Rival| {
             let by_third = || rival.waiting.iter().any(|thread| *thread != usize::from(task));
             conflicts.contains(rival.codel) || by_third()
         };
-        let of_thread = |thread: usize| {
-            let rivals = self.rivals[thread].iter().filter(|rival| counts(thread, rival));
-            let rivals = rivals.filter(|rival| rival.plays_part(thread, task));
-            let rivals = rivals.filter(waits);
-            rivals.map(|rival| self.system.codels[rival.codel].upper).max().unwrap_or(0)
-        };
-        self.threads_beside(task).map(of_thread).try_fold(0, Ticks::checked_add)
+        let rivals = self.rivals[thread].iter();
+        rivals.filter(move |rival| rival.plays_part(thread, task)).filter(waits)
+    }
+
+    /// Returns the greatest execution time of some codels.
+    fn most<'r>(&self, rivals: impl Iterator<Item = &'r Rival>) -> Ticks {
+        rivals.map(|rival| self.system.codels[rival.codel].upper).max().unwrap_or(0)
     }
 
     /// Returns the other threads of the component of a task.
@@ -371,20 +372,17 @@ impl<'s> Window<'s> {
 
     /// Returns the longest time of a cycle, including its waits in the lock queue, in base units.
     pub(super) fn cycle(&self, task: TaskId) -> Option<Ticks> {
-        Some(self.length(task, Cycle::First)?.max(self.length(task, Cycle::Other)?))
+        let length = |cycle| self.length(task, cycle, None, &|_| true);
+        Some(length(Cycle::First)?.max(length(Cycle::Other)?))
     }
 
-    /// Returns the longest time of the first cycle, or of another one, with its waits in the lock queue.
-    fn length(&self, task: TaskId, cycle: Cycle) -> Option<Ticks> {
-        let length = &self.lengths[task][cycle as usize];
-        *length.get_or_init(|| self.find_length(task, cycle, &|_| true))
-    }
-
-    /// Returns the longest time of a cycle, with its waits for certain threads in the lock queue.
-    fn find_length(
+    /// Returns the longest time of a cycle, with its waits for certain threads in the lock queue. `known`:
+    /// what is known of all tasks.
+    fn length(
         &self,
         task: TaskId,
         cycle: Cycle,
+        known: Option<&Knowns>,
         counts: &dyn Fn(usize) -> bool,
     ) -> Option<Ticks> {
         // Later tasks, and the control task, begin after the first pass.
@@ -393,23 +391,92 @@ impl<'s> Window<'s> {
             let machine = self.system.machine_of(automaton);
             machine.states[machine.start].codel
         });
-        let is_before = |thread| thread < usize::from(task);
-        let time = |limited: bool, codel: CodelId| {
-            let counts = |thread: usize, rival: &Rival| {
-                (counts(thread) && (limited || rival.often.is_none()))
-                    && (start != Some(codel) || is_before(thread))
-            };
-            self.upper(codel)?.checked_add(self.blocking(task, codel, &counts)?)
+        let threads = self.threads_beside(task).filter(|&thread| counts(thread));
+        let threads: Vec<usize> = threads.collect();
+        // The longest time of codels of a thread before a codel.
+        let before = |codel: CodelId, thread: usize, counts: &dyn Fn(&Rival) -> bool| {
+            let begun = start != Some(codel) || thread < usize::from(task);
+            let ahead = self.ahead(task, codel, thread).filter(|rival| begun && counts(rival));
+            self.most(ahead)
         };
-        let each = self.work(task, cycle, &|codel| time(true, codel));
-        let mut together = self.work(task, cycle, &|codel| time(false, codel));
-        for thread in self.threads_beside(task).filter(|&thread| counts(thread)) {
-            for rival in self.rivals[thread].iter().filter(|rival| rival.plays_part(thread, task)) {
-                let all = rival.often.map(|often| self.upper(rival.codel)?.checked_mul(often));
-                together = together.and_then(|sum| sum.checked_add(all.unwrap_or(Some(0))?));
-            }
-        }
+        let unlimited = |rival: &Rival| rival.often.is_none();
+        let each = |codel: CodelId| {
+            let mut all = threads.iter().map(|&thread| before(codel, thread, &|_| true));
+            all.try_fold(self.upper(codel)?, Ticks::checked_add)
+        };
+        let each = self.work(task, cycle, &each);
+        // Each thread counts in the way in which its codels take least.
+        let ways = threads.iter().map(|&thread| {
+            let work = |counts: &dyn Fn(&Rival) -> bool| {
+                self.work(task, cycle, &|codel| Some(before(codel, thread, counts)))
+            };
+            let limited = self.time_of_limited(task, thread);
+            let cycles = known.and_then(|known| self.time_in_cycles(task, cycle, thread, known));
+            let ways = [
+                (work(&|_| true), Way::Each),
+                (
+                    work(&unlimited).zip(limited).and_then(|(one, other)| one.checked_add(other)),
+                    Way::Unlimited(limited.unwrap_or(0)),
+                ),
+                (cycles, Way::Together(cycles.unwrap_or(0))),
+            ];
+            ways.into_iter().filter_map(|(time, way)| Some((time?, way))).min_by_key(|way| way.0)
+        });
+        let ways: Option<Vec<(Ticks, Way)>> = ways.collect();
+        let together = ways.and_then(|ways| {
+            let time = |codel: CodelId| {
+                let mut all = threads.iter().zip(&ways).map(|(&thread, (_, way))| match way {
+                    Way::Each => before(codel, thread, &|_| true),
+                    Way::Unlimited(_) => before(codel, thread, &unlimited),
+                    Way::Together(_) => 0,
+                });
+                all.try_fold(self.upper(codel)?, Ticks::checked_add)
+            };
+            let once = ways.iter().map(|(_, way)| match *way {
+                Way::Each => 0,
+                Way::Unlimited(time) | Way::Together(time) => time,
+            });
+            once.into_iter().try_fold(self.work(task, cycle, &time)?, Ticks::checked_add)
+        });
         each.into_iter().chain(together).min().filter(|length| *length < FOREVER / 4)
+    }
+
+    /// Returns the greatest time of a thread in those codels for which a task can wait, and that it executes
+    /// a limited number of times.
+    fn time_of_limited(&self, task: TaskId, thread: usize) -> Option<Ticks> {
+        let rivals = self.rivals[thread].iter().filter(|rival| rival.plays_part(thread, task));
+        let mut limited = rivals.filter_map(|rival| Some((rival.codel, rival.often?)));
+        limited.try_fold(0, |sum: Ticks, (codel, often)| {
+            sum.checked_add(self.upper(codel)?.checked_mul(often)?)
+        })
+    }
+
+    /// Returns the greatest time of a periodic task, during a cycle of another task, in those codels for
+    /// which that task can wait.
+    fn time_in_cycles(
+        &self,
+        task: TaskId,
+        cycle: Cycle,
+        thread: usize,
+        known: &Knowns,
+    ) -> Option<Ticks> {
+        let other = self.system.tasks.get(TaskId::from(thread)).map(|_| TaskId::from(thread))?;
+        let (own, period) = (self.system.tasks[task].period?, self.system.tasks[other].period?);
+        if cycle != Cycle::Other || !self.is_started(other, task, cycle, known) {
+            return None;
+        }
+        let cycles = match known[other].after_tick {
+            Some(_) if self.has_same_ticks(task, cycle, other, known) => 1,
+            Some(response) => (u64::from(own) + response).div_ceil(u64::from(period)),
+            None => u64::from(own / period + 3),
+        };
+        let rivals = &self.rivals[thread];
+        let time = |codel: CodelId| match rivals.iter().find(|rival| rival.codel == codel) {
+            Some(rival) if rival.plays_part(thread, task) => self.upper(codel),
+            _ => Some(0),
+        };
+        let each = self.work(other, Cycle::Other, &time)?;
+        each.checked_mul(Ticks::try_from(cycles).ok()?)
     }
 
     fn upper(&self, codel: CodelId) -> Option<Ticks> {
@@ -423,75 +490,49 @@ impl<'s> Window<'s> {
         cycle: Cycle,
         time: &dyn Fn(CodelId) -> Option<Ticks>,
     ) -> Option<Ticks> {
-        let system = self.system;
-        let task = &system.tasks[task];
+        let definition = &self.system.tasks[task];
         let mut length = 0;
-        if let Some(permanent) = task.permanent {
-            let machine = system.machine_of(permanent);
-            length = match cycle {
-                Cycle::FirstPass => time(machine.states[machine.start].codel)?,
-                Cycle::First => turn(machine, &[machine.start], None, time)?,
-                Cycle::Other => turn(machine, &resumed(machine), self.stop_of(permanent), time)?,
-            };
+        if let Some(permanent) = definition.permanent {
+            length = self.turns.longest(permanent, cycle, time)?;
         }
         if cycle != Cycle::Other {
             // Requests are taken after the first passes of all tasks of the component, and a cycle begins
             // activities in its first pass.
             return Some(length);
         }
-        // At most as many instances as places, and of each service at most as many as are requested.
-        let mut instances: Vec<(Ticks, u32)> = Vec::new();
-        for &a in &task.slots {
-            let most = system.automata[a].service.and_then(|service| self.client.requests[service]);
-            let machine = system.machine_of(a);
-            let most = most.unwrap_or(task.places).min(task.places);
+        // By service: the greatest number of instances, and the time of each.
+        let mut instances: Vec<(ServiceId, u32, Ticks)> = Vec::new();
+        for &automaton in &definition.slots {
+            let Some(service) = self.system.automata[automaton].service else {
+                continue;
+            };
+            let most = self.client.requests[service].unwrap_or(definition.places);
             if most > 0 {
-                let entries = [&resumed(machine)[..], &[machine.start]].concat();
-                instances.push((turn(machine, &entries, self.stop_of(a), time)?, most));
+                instances.push((service, most, self.turns.longest(automaton, cycle, time)?));
             }
         }
-        instances.sort_unstable_by_key(|instance| std::cmp::Reverse(instance.0));
-        let mut left = task.places;
-        for (time, most) in instances {
-            let count = most.min(left);
-            length = length.checked_add(time.checked_mul(count)?)?;
-            left -= count;
-        }
-        Some(length)
+        instances.sort_unstable_by_key(|instance| std::cmp::Reverse(instance.2));
+        // At most as many instances as places.
+        let all = |count: &dyn Fn(ServiceId) -> u32| {
+            let mut left = definition.places;
+            instances.iter().try_fold(0, |sum: Ticks, &(service, most, time)| {
+                let count = most.min(left).min(count(service));
+                left -= count;
+                sum.checked_add(time.checked_mul(count)?)
+            })
+        };
+        let most = match &self.turns.parties[task] {
+            None => all(&|_| u32::MAX)?,
+            Some(parties) => {
+                let of_party = |party: &Party| {
+                    let count = |service| party.iter().filter(|other| **other == service).count();
+                    all(&|service| count(service) as u32)
+                };
+                parties.iter().map(of_party).try_fold(0, |most, time| Some(time?.max(most)))?
+            }
+        };
+        length.checked_add(most)
     }
-}
-
-/// Returns the longest turn of a machine, from one of some states to a pause or its end, with this time for
-/// each codel. After an interruption, the machine continues with `stop` between two codels.
-fn turn(
-    machine: &Machine,
-    entries: &[usize],
-    stop: Option<usize>,
-    time: &dyn Fn(CodelId) -> Option<Ticks>,
-) -> Option<Ticks> {
-    let times = machine.states.iter().map(|state| time(state.codel));
-    let times: Vec<Ticks> = times.collect::<Option<_>>()?;
-    if !pauseless_cycles(machine).is_empty() {
-        // A turn enters every state at most this often; after an interruption another turn begins.
-        let limit = machine.loop_limit.filter(|_| !machine.rounds)?;
-        let once = times.iter().try_fold(0u32, |sum, &time| sum.checked_add(time))?;
-        return once.checked_mul(2)?.checked_mul(u32::from(limit));
-    }
-    let mut longest = vec![None; machine.states.len()];
-    let of_stop = match stop {
-        Some(stop) => way(machine, &times, 0, stop, &mut longest.clone())?,
-        None => 0,
-    };
-    let mut most = of_stop;
-    for &state in entries {
-        most = most.max(way(machine, &times, of_stop, state, &mut longest)?);
-    }
-    Some(most)
-}
-
-/// Returns the states in which a machine resumes after a pause.
-fn resumed(machine: &Machine) -> Vec<usize> {
-    super::ways::resumed(machine).collect()
 }
 
 /// Returns the first codel of a permanent activity, if the machine does not return to it.
@@ -517,27 +558,4 @@ fn following(machine: &Machine, state: usize) -> Vec<usize> {
         }
     }
     found
-}
-
-/// Returns the longest path from a state on; after each codel that continues, `stop` may come instead.
-fn way(
-    machine: &Machine,
-    times: &[Ticks],
-    of_stop: Ticks,
-    state: usize,
-    known: &mut [Option<Ticks>],
-) -> Option<Ticks> {
-    if let Some(tick) = known[state] {
-        return Some(tick);
-    }
-    // An automaton that has paused may have to execute `stop` in a later pass of the same cycle.
-    let mut rest = of_stop;
-    for transition in &machine.states[state].yields {
-        if let Yield::Next(next) = *transition {
-            rest = rest.max(way(machine, times, of_stop, next, known)?);
-        }
-    }
-    let out = times[state].checked_add(rest)?;
-    known[state] = Some(out);
-    Some(out)
 }

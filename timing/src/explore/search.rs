@@ -17,7 +17,7 @@ mod zones;
 use self::control::{CarryOver, FindingsReceiver, SearchControl};
 pub use self::depth_first::search_once;
 use self::layers::Layers;
-pub use self::walks::walk_to_long_responses;
+pub use self::walks::{Walked, walk};
 pub use self::zones::{ZoneFindings, search_zones};
 use super::findings::Findings;
 use super::measure::{Gauge, MeasurementMode, Timing};

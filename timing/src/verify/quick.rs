@@ -8,11 +8,9 @@
 
 use std::sync::OnceLock;
 
-use super::checks::Single;
+use super::checks::{Single, What};
 use super::{Group, ResponseBounds};
-use crate::explore::{
-    Findings, Kind, Limits, ResponseTime, Stop, Watch, explore, walk_to_long_responses,
-};
+use crate::explore::{Findings, Kind, Limits, ResponseTime, Stop, Walked, Watch, explore, walk};
 use crate::report::{CheckReport, Report, Value, Verdict};
 use crate::system::indexed::Built;
 use crate::system::{TaskId, Ticks};
@@ -118,7 +116,40 @@ impl Group<'_> {
                 stage.stage(checks, part, rounds.is_none(), &mut seen, report);
             }
         }
+        self.walk_to_misses(checks, of_group, analysed, report);
         seen
+    }
+
+    /// Looks for missed deadlines that come late.
+    fn walk_to_misses(
+        &self,
+        checks: &[Single],
+        of_group: &[usize],
+        analysed: &ResponseBounds,
+        report: &mut Report,
+    ) {
+        let open = of_group.iter().copied().filter(|&i| report.is_open(i));
+        let deadlines = open.filter(|&i| matches!(checks[i].what, What::Schedulable(_)));
+        let (mut watch, places) = self.watch(checks, deadlines, analysed);
+        if places.is_empty()
+            || self.limits.without.contains(Kind::RandomSearch)
+            || self.is_small(&watch)
+        {
+            return;
+        }
+        watch.response.clear();
+        let Walked { missed, .. } = walk(&self.built.system, &watch, ACTIONS, self.cancel);
+        let found = Findings { missed, stopped: Some(Stop::States), ..Findings::default() };
+        let before = report.answered();
+        for (i, place) in places {
+            let entry = self.one(&checks[i], place, &found);
+            if entry.verdict == Verdict::Refuted {
+                report.answer(i, entry);
+            }
+        }
+        if report.answered() > before {
+            (self.tell)(report);
+        }
     }
 
     /// Looks for response times as long as their bounds, which are then exact, and for jobs of tasks that
@@ -152,12 +183,8 @@ impl Group<'_> {
         if watch.response.is_empty() || self.is_small(&watch) {
             return;
         }
-        let system = &self.built.system;
-        let found = Findings {
-            response: walk_to_long_responses(system, &watch.response, ACTIONS, self.cancel),
-            stopped: Some(Stop::Answered),
-            ..Findings::default()
-        };
+        let Walked { response, .. } = walk(&self.built.system, &watch, ACTIONS, self.cancel);
+        let found = Findings { response, stopped: Some(Stop::Answered), ..Findings::default() };
         let before = report.answered();
         let jobs = &found.response[found.response.len() - on_condition.len()..];
         for (&(i, bound, _), job) in on_condition.iter().zip(jobs) {

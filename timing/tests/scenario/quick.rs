@@ -113,6 +113,40 @@ fn activities_that_are_awaited_do_not_come_together() {
     assert_eq!(bounds(ACTIVITIES, &two), "arm.move 9\n");
 }
 
+#[test]
+fn of_activities_that_are_awaited_the_servers_execute_one_in_a_cycle() {
+    let client = |steps: &str| {
+        let scenario = format!("client c {{ repeat * {{ {steps} }} }}");
+        bounds_under(Preset::Servers, ACTIVITIES, &scenario)
+    };
+    let one = "send arm.go; await ended; send arm.grasp; await ended;";
+    assert_eq!(client(one), "arm.move 5\n");
+    let both = "send arm.go; send arm.grasp; await ended arm.go; await ended arm.grasp;";
+    assert_eq!(client(both), "arm.move 9\n");
+    let two = format!("client c {{ repeat * {{ {one} }} }} client d {{ send arm.go; }}");
+    assert_eq!(bounds_under(Preset::Servers, ACTIVITIES, &two), "arm.move 9\n");
+    // Nothing is known of an activity that is not awaited, but that all places may have one.
+    assert_eq!(client("send arm.go; await ended; send arm.grasp;"), "arm.move -\n");
+}
+
+#[test]
+fn a_task_with_the_same_ticks_is_ahead_with_one_cycle() {
+    // In each of three codels `track` could wait for 4 ms of `plan`, but `plan` has one cycle.
+    let arm = "component arm {
+      version \"1\"; lang \"c\";
+      ids { long a; };
+      task plan { period 10 ms;
+        codel <start> p0() yield pause::run wcet 1 ms;
+        codel <run> p1(out a) yield pause::run wcet 4 ms; };
+      task track { period 10 ms;
+        codel <start> t0() yield pause::wait wcet 1 ms;
+        codel <wait> t1(in a) yield main wcet 1 ms;
+        codel <main> t2(in a) yield wait, pause::wait wcet 1 ms; };
+      };";
+    let scenario = "loop once arm.track;";
+    assert_eq!(bounds_under(Preset::Servers, arm, scenario), "arm.plan 5\narm.track 6\n");
+}
+
 /// A task that never releases its core, and two others.
 const ENDLESS: &str = r#"
 component bus {
@@ -239,8 +273,10 @@ fn activities_that_a_client_requests_one_after_the_other_do_not_add_up() {
             .map(|preset| bounds_under(preset, specification, &scenario))
     };
     assert_eq!(both("delay 50 ms;"), ["c.t 6\n", "c.t 6\n"]);
-    // Within one period, both can be executed in one job. The published models end an activity with its job.
-    assert_eq!(both("delay 5 ms;"), ["c.t -\n", "c.t 6\n"]);
+    // Within one period too: the published models end an activity with its job, and a cycle of the servers
+    // begins activities in its first pass only.
+    assert_eq!(both("delay 5 ms;"), ["c.t 6\n", "c.t 6\n"]);
+    assert_eq!(both(""), ["c.t 6\n", "c.t 6\n"]);
 }
 
 #[test]

@@ -89,3 +89,41 @@ fn a_rare_job_that_is_very_late_is_not_forgotten() {
         }
     }
 }
+
+#[test]
+fn a_walk_finds_a_deadline_that_is_missed_late() {
+    // Until two requests meet after a second, hundreds of thousands of states come first.
+    let mut specification = String::from(
+        "component arm { version \"1\"; lang \"c\"; ids { long a; };
+           exception oops;
+           task move { period 10 ms; };
+           activity go() { task move; codel <start> g(out a) yield ether wcet 6 ms; throw oops; };
+           activity grasp() { task move; codel <start> h(out a) yield ether wcet 5 ms; throw oops; }; };",
+    );
+    for number in 0..6 {
+        let _ = write!(
+            specification,
+            "component c{number} {{ version \"1\"; lang \"c\";
+               task t {{ period {} ms;
+                 codel<start> s{number}() yield pause::main wcet 1 ms;
+                 codel<main> m{number}() yield pause::main, pause::other wcet 1 ms;
+                 codel<other> o{number}() yield pause::main wcet 1 ms; }}; }};",
+            10 + number
+        );
+    }
+    let unit = load(&specification);
+    let scenario =
+        "scenario x { semantics servers; cores 2; policy fifo; unit 1 ms; durations interval;
+                    client a { delay 1 s; send arm.go; send arm.grasp; }
+                    check schedulable arm.move; }";
+    let parsed = parse(scenario);
+    assert_eq!(parsed.errors, []);
+    let input = SystemInput { specs: vec![&unit.spec] };
+    let mut options = Options::default();
+    options.limits.states = 200_000;
+    let report = verify(&input, &parsed.scenario, &options, &Cancel::default());
+    let check = &report.checks[0];
+    assert_eq!(check.verdict, Verdict::Refuted);
+    // The first deadline after the requests.
+    assert_eq!(check.counterexample.last().map(|event| event.time), Some(1010.0));
+}

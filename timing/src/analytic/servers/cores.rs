@@ -28,9 +28,7 @@
 
 use std::cmp::Reverse;
 
-use typed_index_collections::TiVec;
-
-use super::{Cycle, Known, Window, executed_once};
+use super::{Cycle, Known, Knowns, Window, executed_once};
 use crate::system::{CodelId, ComponentId, Policy, TaskId};
 
 /// A thread that can have a core while a job waits.
@@ -58,9 +56,9 @@ impl Window<'_> {
         task: TaskId,
         cycle: Cycle,
         least: u64,
-        known: &TiVec<TaskId, Known>,
+        known: &Knowns,
     ) -> Option<u64> {
-        let length = u64::from(self.length(task, cycle)?);
+        let length = u64::from(self.length(task, cycle, Some(known), &|_| true)?);
         let platform = &self.system.platform;
         let enough = platform.cores.is_none_or(|cores| cores as usize >= self.system.tasks.len());
         if !self.system.needs_core(task) || enough && !self.system.preempts() {
@@ -75,12 +73,7 @@ impl Window<'_> {
     }
 
     /// Returns the longest time of a job and its wait for cores; `length` is the time without that wait.
-    fn with_core_wait(
-        &self,
-        job: Waiting,
-        length: u64,
-        known: &TiVec<TaskId, Known>,
-    ) -> Option<u64> {
+    fn with_core_wait(&self, job: Waiting, length: u64, known: &Knowns) -> Option<u64> {
         let cores = u64::from(self.system.platform.cores?);
         let mut rivals = self.rivals_for_cores(job, known, &|_| true);
         let priority = |thread: usize| match self.system.platform.policy {
@@ -130,37 +123,36 @@ impl Window<'_> {
     }
 
     /// Returns the longest time of a job if certain threads have a core for as long as it waits for one.
-    fn one_by_one(
-        &self,
-        job: Waiting,
-        apart: &[usize],
-        known: &TiVec<TaskId, Known>,
-    ) -> Option<u64> {
+    fn one_by_one(&self, job: Waiting, apart: &[usize], known: &Knowns) -> Option<u64> {
         let has_core = |thread: usize| {
             thread < self.system.tasks.len() && self.system.needs_core(TaskId::from(thread))
         };
         let waits_for = |thread: usize| apart.contains(&thread) || !has_core(thread);
         let others = self.rivals_for_cores(job, known, &waits_for);
         let mut others = others.iter().filter(|rival| !apart.contains(&rival.thread));
-        let waits_for =
-            |thread: usize| waits_for(thread) || !self.has_same_ticks(job, thread, known);
-        let length = self.find_length(job.task, job.cycle, &waits_for)?;
+        let has_same_ticks = |thread: usize| {
+            let other = Some(TaskId::from(thread)).filter(|_| thread < self.system.tasks.len());
+            other.is_some_and(|other| self.has_same_ticks(job.task, job.cycle, other, known))
+        };
+        let waits_for = |thread: usize| waits_for(thread) || !has_same_ticks(thread);
+        let length = self.length(job.task, job.cycle, Some(known), &waits_for)?;
         others.try_fold(u64::from(length), |sum, rival| sum.checked_add(rival.time?))
     }
 
-    /// Returns true if a thread executes exactly one cycle from the tick of a job to the next tick.
-    fn has_same_ticks(&self, job: Waiting, thread: usize, known: &TiVec<TaskId, Known>) -> bool {
-        let (task, other) = (job.task, TaskId::from(thread));
-        let (Some(own), Some(entry)) = (self.system.tasks.get(task), self.system.tasks.get(other))
-        else {
-            return false;
-        };
-        let is_usual =
-            job.cycle == Cycle::Other && self.is_started(known[other], job, &known[task]);
+    /// Returns true if another task executes exactly one cycle from the tick of a job to the next tick.
+    pub(super) fn has_same_ticks(
+        &self,
+        task: TaskId,
+        cycle: Cycle,
+        other: TaskId,
+        known: &Knowns,
+    ) -> bool {
+        let (own, entry) = (&self.system.tasks[task], &self.system.tasks[other]);
         own.component == entry.component
             && (own.period, own.delay) == (entry.period, entry.delay)
             && known[other].after_tick.is_some()
-            && is_usual
+            && cycle == Cycle::Other
+            && self.is_started(other, task, cycle, known)
     }
 
     /// Returns the threads that can have a core while a job waits for one, with their waits for certain
@@ -168,7 +160,7 @@ impl Window<'_> {
     fn rivals_for_cores(
         &self,
         job: Waiting,
-        known: &TiVec<TaskId, Known>,
+        known: &Knowns,
         waits_for: &dyn Fn(usize) -> bool,
     ) -> Vec<Rival> {
         let system = self.system;
@@ -212,21 +204,20 @@ impl Window<'_> {
         &self,
         other: TaskId,
         job: Waiting,
-        known: &TiVec<TaskId, Known>,
+        known: &Knowns,
         waits_for: &dyn Fn(usize) -> bool,
     ) -> Option<u64> {
         let system = self.system;
         // A task that waits for a lock keeps its core, unless it can lose the core.
         let waits_for = |thread: usize| !system.preempts() && waits_for(thread);
-        let own = &known[job.task];
+        let is_started = self.is_started(other, job.task, job.cycle, known);
         let Some(period) = system.tasks[other].period.map(u64::from) else {
-            let is_started = self.is_started(known[other], job, own);
             return self.work_in_window(other, is_started, &waits_for);
         };
-        let cycle = |of| Some(u64::from(self.find_length(other, of, &waits_for)?));
+        let cycle = |of| Some(u64::from(self.length(other, of, Some(known), &waits_for)?));
         let each = cycle(Cycle::Other)?;
         let Known { begins, ends, after_tick, .. } = known[other];
-        let starts = !self.is_started(known[other], job, own);
+        let starts = !is_started;
         let first = if starts { cycle(Cycle::First)? } else { 0 };
         let is_later = system.tasks[job.task].period.is_some_and(|own| period >= u64::from(own));
         let window = job.window;
@@ -248,11 +239,18 @@ impl Window<'_> {
         }
     }
 
-    /// Returns true if the start-up of a task is over before a job begins.
-    fn is_started(&self, task: Known, job: Waiting, own: &Known) -> bool {
-        let begins = if job.cycle == Cycle::Other { own.next } else { own.begins };
+    /// Returns true if the start-up of another task is over before a job of a task begins.
+    pub(super) fn is_started(
+        &self,
+        other: TaskId,
+        task: TaskId,
+        cycle: Cycle,
+        known: &Knowns,
+    ) -> bool {
+        let own = &known[task];
+        let begins = if cycle == Cycle::Other { own.next } else { own.begins };
         let begins = begins.max(self.client.begins);
-        task.ends.is_some_and(|ends| ends <= begins)
+        known[other].ends.is_some_and(|ends| ends <= begins)
     }
 
     /// Returns the greatest time for which an aperiodic task executes codels in the window, or waits for
@@ -278,8 +276,9 @@ impl Window<'_> {
             return Some(0);
         }
         codels.into_iter().try_fold(0u64, |sum, (codel, often)| {
-            let wait = self.blocking(task, codel, &|thread, _| waits_for(thread))?;
-            let time = self.upper(codel)?.checked_add(wait)?;
+            let threads = self.threads_beside(task).filter(|&thread| waits_for(thread));
+            let waits = threads.map(|thread| self.most(self.ahead(task, codel, thread)));
+            let time = waits.fold(self.upper(codel), |sum, wait| sum?.checked_add(wait))?;
             sum.checked_add(u64::from(time).checked_mul(u64::from(often?))?)
         })
     }

@@ -1,10 +1,12 @@
-//! Random walks that look for long response times.
+//! Random walks that look for long response times, and for missed deadlines.
 //!
 //! Breadth-first search examines everything that happens early, and seldom comes as far as a long response
 //! time. A walk follows one run, and keeps no states. Most long response times have the same causes, so a
-//! walk prefers them: codels that take their longest or shortest time, or end at a tick; and yields that lead
-//! to the longest rest of a job. Each walk has preferences of its own. Then the end of the walk is varied,
-//! from shortly before its longest response time on. A walk proves nothing, but its run exists.
+//! walk prefers them: codels that take their longest or shortest time, or end at a tick; yields that lead to
+//! the longest rest of a job; and hardly any exceptions, which end activities. Each walk has preferences of
+//! its own. The end of a walk with the longest response time so far is varied, from shortly before it on. A
+//! walk proves nothing, but its run exists. Of several runs to a missed deadline the one that ends first is
+//! kept.
 
 use std::hash::BuildHasher;
 
@@ -20,10 +22,10 @@ use crate::explore::rules::{Action, Enabled, Rules, SystemRules};
 use crate::explore::run::Run;
 use crate::explore::state::State;
 use crate::explore::watch::{ResponseTime, Watch};
-use crate::system::{CodelId, FOREVER, Ticks, TimedSystem, Yield};
+use crate::system::{CodelId, FOREVER, Machine, Ticks, TimedSystem, Yield};
 
-/// Upper limit on the actions of one walk.
-const ACTIONS_OF_WALK: u64 = 8_000;
+/// Upper limit on the actions of a short walk; others have twice and four times as many.
+const ACTIONS_OF_WALK: u64 = 2_000;
 
 /// Upper limit on the actions for one response time.
 const ACTIONS_OF_RESPONSE: u64 = 150_000;
@@ -32,7 +34,7 @@ const ACTIONS_OF_RESPONSE: u64 = 150_000;
 const VARIED_JOBS: [usize; 3] = [2, 3, 5];
 
 /// Number of variants of a walk without a longer response time after which another walk is tried.
-const VARIANTS: u64 = 150;
+const VARIANTS: u64 = 60;
 
 /// Actions between two polls of the limits.
 const ACTIONS_PER_POLL: u64 = 256;
@@ -40,37 +42,63 @@ const ACTIONS_PER_POLL: u64 = 256;
 /// Rounds after which the longest rest of a job in a state machine with loops counts as known.
 const ROUNDS: usize = 12;
 
-/// Looks for long response times, with a limit on the number of actions. Returns the longest ones, with runs.
-pub fn walk_to_long_responses(
-    system: &TimedSystem,
-    responses: &[ResponseTime],
-    actions: u64,
-    cancel: &Cancel,
-) -> Vec<Option<Measured>> {
+/// The runs that walks have found.
+pub struct Walked {
+    /// The longest response times, in the order of the watch.
+    pub response: Vec<Option<Measured>>,
+    /// Runs to missed deadlines, in the order of the watch.
+    pub missed: Vec<Option<Found>>,
+}
+
+/// Looks for the response times and the missed deadlines of a watch, with a limit on the number of actions.
+pub fn walk(system: &TimedSystem, watch: &Watch, actions: u64, cancel: &Cancel) -> Walked {
     let rules = SystemRules::new(system);
-    let watch = Watch { response: responses.to_vec(), ..Watch::default() };
+    // A job with a long response time misses its deadline.
+    let of_deadlines = watch.schedulable.iter();
+    let of_deadlines = of_deadlines.map(|&task| ResponseTime { task, limit: None, most: None });
+    let watch = Watch {
+        response: watch.response.iter().copied().chain(of_deadlines).collect(),
+        schedulable: watch.schedulable.clone(),
+        ..Watch::default()
+    };
     let gauges = Gauge::of(&watch, &MeasurementMode::Shared);
     let without = Kind::ALL.into_iter().fold(Kinds::NONE, Kinds::with);
+    let (count, deadlines) = (watch.response.len(), watch.schedulable.len());
     let mut walks = Walks {
         observations: Observations::new(&rules, &watch, &gauges, without),
         rest: longest_rests(system),
-        best: vec![None; responses.len()],
+        best: vec![None; count],
+        missed: vec![None; deadlines],
         trail: Vec::new(),
         actions: 0,
         cancel,
     };
-    for (number, response) in responses.iter().enumerate() {
-        walks.look_for(
-            number,
-            response,
-            (actions / responses.len() as u64).min(ACTIONS_OF_RESPONSE),
-        );
+    for (number, response) in watch.response.iter().enumerate() {
+        let deadline = (number + deadlines).checked_sub(count);
+        let aim = Aim { gauge: number, deadline, task: response.task.into(), most: response.most };
+        walks.look_for(aim, (actions / count as u64).min(ACTIONS_OF_RESPONSE));
     }
-    walks.best.into_iter().map(|best| best.map(measured)).collect()
+    let response = walks.best.into_iter().take(count - deadlines);
+    Walked {
+        response: response.map(|best| best.map(measured)).collect(),
+        missed: walks.missed.into_iter().map(|run| Some(Found { run: run? })).collect(),
+    }
 }
 
 fn measured((value, run): (Ticks, Run)) -> Measured {
     Measured { bound: Bound::Finite(value), longest: Found { run }, excess: None }
+}
+
+/// What a walk looks for.
+#[derive(Clone, Copy)]
+struct Aim {
+    /// The gauge of the response time.
+    gauge: usize,
+    /// The deadline, if it should be missed.
+    deadline: Option<usize>,
+    task: usize,
+    /// The response time that ends the search.
+    most: Option<Ticks>,
 }
 
 /// The preferences of a walk.
@@ -103,7 +131,7 @@ impl Preferences {
             seed: number,
             task,
             late: [8, 7, 6, 4, 2][(number % 5) as usize],
-            long: [8, 7, 5][(number / 5 % 3) as usize],
+            long: [8, 5, 0][(number % 3) as usize],
         }
     }
 
@@ -143,6 +171,8 @@ struct Walks<'a> {
     rest: TiVec<CodelId, u64>,
     /// Longest time and the run to it, by response time.
     best: Vec<Option<(Ticks, Run)>>,
+    /// The run that ends first, by deadline.
+    missed: Vec<Option<Run>>,
     /// Actions of the present walk, with their times.
     trail: Vec<(u64, Action)>,
     /// Number of actions of all walks.
@@ -151,34 +181,34 @@ struct Walks<'a> {
 }
 
 impl Walks<'_> {
-    fn look_for(&mut self, number: usize, response: &ResponseTime, actions: u64) {
+    fn look_for(&mut self, aim: Aim, actions: u64) {
         let until = self.actions + actions;
-        let task = usize::from(response.task);
-        let mut walk = 0;
+        let mut number = 0;
         let start = Position { s: self.observations.rules.initial(), now: 0, steps: 0 };
-        while !self.is_over(number, response, until) {
-            let releases =
-                self.walk(&start, (number, task, walk), ACTIONS_OF_WALK.min(until - self.actions));
-            walk += 1;
-            self.vary(&releases, (number, task), response, until);
+        while !self.is_over(aim, until) {
+            let before = self.longest(aim);
+            let actions = ACTIONS_OF_WALK << (number / 5 % 3);
+            let releases = self.walk(&start, aim, number, actions.min(until - self.actions));
+            number += 1;
+            if self.longest(aim) > before {
+                self.vary(&releases, aim, until);
+            }
         }
     }
 
-    fn is_over(&self, number: usize, response: &ResponseTime, until: u64) -> bool {
-        let longest = self.best[number].as_ref().map(|best| best.0);
-        let reached = response.most.is_some_and(|most| longest >= Some(most));
+    /// Returns the longest response time so far.
+    fn longest(&self, aim: Aim) -> Option<Ticks> {
+        self.best[aim.gauge].as_ref().map(|best| best.0)
+    }
+
+    fn is_over(&self, aim: Aim, until: u64) -> bool {
+        let reached = aim.most.is_some_and(|most| self.longest(aim) >= Some(most));
         reached || self.actions >= until || self.cancel.is_over()
     }
 
     /// Varies the end of the last walk, from the job before the one with the longest response time on.
-    fn vary(
-        &mut self,
-        releases: &[Position],
-        (number, task): (usize, usize),
-        response: &ResponseTime,
-        until: u64,
-    ) {
-        let Some(longest) = self.observations.seen.longest[number] else {
+    fn vary(&mut self, releases: &[Position], aim: Aim, until: u64) {
+        let Some(longest) = self.observations.seen.longest[aim.gauge] else {
             return;
         };
         let before = releases
@@ -193,12 +223,12 @@ impl Walks<'_> {
             let length = (longest.at.parent - position.steps) as u64 * 3 + 10;
             let mut fruitless = 0;
             let mut variant = 1_000;
-            while fruitless < VARIANTS && !self.is_over(number, response, until) {
-                self.walk(position, (number, task, variant), length.min(until - self.actions));
+            while fruitless < VARIANTS && !self.is_over(aim, until) {
+                self.walk(position, aim, variant, length.min(until - self.actions));
                 variant += 1;
                 fruitless += 1;
                 let found =
-                    self.observations.seen.longest[number].map_or(0, |longest| longest.value);
+                    self.observations.seen.longest[aim.gauge].map_or(0, |longest| longest.value);
                 if found > best {
                     (best, fruitless) = (found, 0);
                 }
@@ -207,22 +237,23 @@ impl Walks<'_> {
     }
 
     /// Continues a run. Returns the positions at which a job of the task was released.
-    fn walk(
-        &mut self,
-        start: &Position,
-        (gauge, task, walk): (usize, usize, u64),
-        actions: u64,
-    ) -> Vec<Position> {
-        let mut preferences = Preferences::numbered(task, walk);
+    fn walk(&mut self, start: &Position, aim: Aim, number: u64, actions: u64) -> Vec<Position> {
+        let mut preferences = Preferences::numbered(aim.task, number);
         self.observations.clear_observations();
         let Position { mut s, mut now, steps } = start.clone();
         self.trail.truncate(steps);
         let mut releases = Vec::new();
         let mut enabled = Enabled::default();
-        let of = self.observations.gauges[gauge].of;
+        let of = self.observations.gauges[aim.gauge].of;
         let mut runs = of.runs(&self.observations.rules, &s);
         let end = self.actions + actions;
-        while self.actions < end {
+        let missed = aim.deadline.and_then(|deadline| self.missed[deadline].as_ref());
+        let latest = missed.map_or(u64::MAX, |run| run.end);
+        let goal = aim.deadline.and_then(|deadline| self.observations.goals.missed().nth(deadline));
+        while self.actions < end && now < latest {
+            if goal.is_some_and(|(goal, _)| self.observations.seen.goals[goal].is_some()) {
+                break;
+            }
             self.actions += 1;
             if self.actions.is_multiple_of(ACTIONS_PER_POLL) && self.cancel.is_over() {
                 break;
@@ -260,15 +291,22 @@ impl Walks<'_> {
 
     /// Keeps the longest times of a walk.
     fn keep(&mut self) {
-        for (longest, best) in self.observations.seen.longest.iter().zip(&mut self.best) {
+        let run = |at: Sight<usize>| Run {
+            steps: self.trail[..at.parent].to_vec(),
+            end: at.time,
+            ..Run::default()
+        };
+        let Observations { goals, seen, .. } = &self.observations;
+        for (longest, best) in seen.longest.iter().zip(&mut self.best) {
             let Some(longest) = longest else { continue };
             if best.as_ref().is_none_or(|best| best.0 < longest.value) {
-                let run = Run {
-                    steps: self.trail[..longest.at.parent].to_vec(),
-                    end: longest.at.time,
-                    ..Run::default()
-                };
-                *best = Some((longest.value, run));
+                *best = Some((longest.value, run(longest.at)));
+            }
+        }
+        for ((goal, _), first) in goals.missed().zip(&mut self.missed) {
+            let Some(at) = seen.goals[goal] else { continue };
+            if first.as_ref().is_none_or(|first| at.time < first.end) {
+                *first = Some(run(at));
             }
         }
     }
@@ -304,6 +342,16 @@ impl Walks<'_> {
             }
             list.clone_from(&enabled.actions);
         }
+        // An exception seldom makes more work.
+        let throws = |action: &Action| match *action {
+            Action::Finish { executor, outcome } => rules
+                .codel(s, executor)
+                .is_some_and(|codel| self.yield_after(codel, outcome).is_none()),
+            _ => false,
+        };
+        if preferences.below(64) > 0 && !list.iter().all(throws) {
+            list.retain(|action| !throws(action));
+        }
         let mut action = list[preferences.below(list.len() as u64) as usize];
         // Others often go first.
         if rules.task_of(action) == Some(preferences.task) && preferences.below(4) > 0 {
@@ -330,16 +378,19 @@ impl Walks<'_> {
 
     /// Returns the longest rest of a job after a codel with an outcome.
     fn rest_after(&self, codel: CodelId, outcome: usize) -> u64 {
-        let system = self.observations.rules.system();
-        let mut machines = system.machines.iter();
-        let state = machines.find_map(|machine| {
-            let state = machine.states.iter().find(|state| state.codel == codel)?;
-            Some((machine, state.yields.get(outcome)?))
-        });
-        match state {
+        match self.yield_after(codel, outcome) {
             Some((machine, &Yield::Next(next))) => self.rest[machine.states[next].codel],
             _ => 0,
         }
+    }
+
+    /// Returns the machine with a codel, and the yield that is an outcome of it.
+    fn yield_after(&self, codel: CodelId, outcome: usize) -> Option<(&Machine, &Yield)> {
+        let system = self.observations.rules.system();
+        system.machines.iter().find_map(|machine| {
+            let state = machine.states.iter().find(|state| state.codel == codel)?;
+            Some((machine, state.yields.get(outcome)?))
+        })
     }
 }
 
