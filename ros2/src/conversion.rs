@@ -2,22 +2,24 @@
 
 use std::collections::BTreeMap;
 
-use dotgen_analysis::model::{Component, Port, PortDir, Spec, TypeId, TypeKind};
+use dotgen_analysis::model::{Component, PortDir, Spec, TypeId, TypeKind};
 use dotgen_codegen::codels::cdr::{CdrReader, CdrWriter, Unions};
 use dotgen_codegen::codels::value::{Reader, ValueError, Values};
 use dotgen_syntax::suggestion::advice;
 use serde_json::Value;
 
 use crate::cdr::Stamp;
-use crate::common::{Leaf, SECOND};
-use crate::description::Base;
+use crate::common::Leaf;
 use crate::rules::{Plan, RuleError, Rules, Source, first};
-use crate::scalar::{Scalar, fits};
+use crate::scalar::{Scalar, equal, fits};
+
+/// Maximum bytes of a list in the data of a port.
+const DATA: usize = 64 << 20;
 
 /// Conversions by the index of the port.
 pub type Conversions = BTreeMap<u32, Conversion>;
 
-/// The conversion between the data of a port and a common message.
+/// The conversion between the data of a port and a common message, or between the elements of their lists.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Conversion {
     /// The message: `geometry_msgs/msg/PoseStamped`.
@@ -25,15 +27,19 @@ pub struct Conversion {
     ty: TypeId,
     leaves: Vec<(Leaf, Source)>,
     members: Members,
+    /// By leaf of a list that a member is assigned to: the conversion of its elements.
+    lists: BTreeMap<usize, Conversion>,
+    /// True for elements that have the same values in the port and in the message.
+    is_plain: bool,
 }
 
-/// The members of a type that are assigned.
-#[derive(Debug, Clone, PartialEq, Eq)]
-enum Members {
-    /// A number or string, with the leaves of the message.
-    Scalar(Vec<usize>),
+/// A member of a type, with the members and elements below it that are assigned.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+struct Members {
+    /// The leaves of the message that the whole member is assigned to.
+    leaves: Vec<usize>,
     /// By the index of the member or element.
-    Parts(BTreeMap<u64, Members>),
+    parts: BTreeMap<u64, Members>,
 }
 
 /// The conversions of a component's ports.
@@ -64,7 +70,8 @@ pub fn conversions(
                 why: "an input port reads its message: remove the constants".to_owned(),
             });
         }
-        match rule.plan(&keys).and_then(|plan| Conversion::new(spec, port, plan)) {
+        match rule.plan(&keys).and_then(|plan| Conversion::new(spec, port.data, port.dir, plan, ""))
+        {
             Ok(conversion) => {
                 out.insert(index, conversion);
             }
@@ -75,16 +82,34 @@ pub fn conversions(
 }
 
 impl Conversion {
-    fn new(spec: &Spec, port: &Port, plan: Plan) -> Result<Conversion, Vec<RuleError>> {
-        let mut members = Members::Parts(BTreeMap::new());
+    /// The conversion of a type by a plan. `within` is the name of the type in messages: `points[]`, empty for
+    /// the port's type.
+    pub(crate) fn new(
+        spec: &Spec,
+        ty: TypeId,
+        dir: PortDir,
+        plan: Plan,
+        within: &str,
+    ) -> Result<Conversion, Vec<RuleError>> {
+        let (mut members, mut lists) = (Members::default(), BTreeMap::new());
         let mut errors: Vec<RuleError> = Vec::new();
         for (at, (leaf, source)) in plan.leaves.iter().enumerate() {
             let Source::Member(path, keys) = source else {
                 continue;
             };
-            let added = find(spec, port.data, path).and_then(|(steps, ty)| {
-                fits(&spec.ty(ty).kind, path, leaf, port.dir)?;
-                if members.add(&steps, at) || port.dir == PortDir::Out {
+            let added = find(spec, ty, path, within).and_then(|(steps, found)| {
+                let path = format!("{within}{path}");
+                match &leaf.elements {
+                    None => fits(&spec.ty(found).kind, &path, leaf, dir)?,
+                    Some(elements) => {
+                        let element = element(&spec.ty(found).kind, &path, leaf, dir)?;
+                        let plan = Plan::of_element(elements, keys);
+                        let list =
+                            Conversion::new(spec, element, dir, plan, &(path.clone() + "[]"));
+                        lists.insert(at, list.map_err(|errors| errors[0].why.clone())?);
+                    }
+                }
+                if members.add(&steps, at) || dir == PortDir::Out {
                     Ok(())
                 } else {
                     Err(format!("the member `{path}` has two fields: remove one"))
@@ -98,11 +123,15 @@ impl Conversion {
                 errors.push(RuleError { keys, why });
             }
         }
-        if errors.is_empty() {
-            Ok(Conversion { message: plan.message, ty: port.data, leaves: plan.leaves, members })
-        } else {
-            Err(errors)
-        }
+        let is_plain = match plan.leaves.as_slice() {
+            [(leaf, Source::Member(path, _))] if path.is_empty() => {
+                equal(&spec.ty(spec.resolve_alias(ty)).kind, &leaf.base)
+            }
+            _ => false,
+        };
+        let (message, leaves) = (plan.message, plan.leaves);
+        let conversion = Conversion { message, ty, leaves, members, lists, is_plain };
+        if errors.is_empty() { Ok(conversion) } else { Err(errors) }
     }
 
     /// The message of the data of a port at a time. `None` if an optional member that is assigned is absent.
@@ -115,57 +144,110 @@ impl Conversion {
         data: &[u8],
         now: Stamp,
     ) -> Result<Option<Vec<u8>>, ValueError> {
-        let mut found = vec![None; self.leaves.len()];
-        read(spec, self.ty, Some(&self.members), &mut Reader::new(data), &mut found)?;
         let mut out = CdrWriter::new(Unions::Branches);
-        for ((leaf, source), member) in self.leaves.iter().zip(found) {
+        let is_there = self.put(spec, &mut Reader::new(data), now, &mut out)?;
+        Ok(is_there.then(|| out.finish()))
+    }
+
+    /// Writes the message of a value. False if an optional member that is assigned is absent.
+    fn put(
+        &self,
+        spec: &Spec,
+        from: &mut Reader<'_>,
+        now: Stamp,
+        out: &mut CdrWriter,
+    ) -> Result<bool, ValueError> {
+        let mut found = vec![None; self.leaves.len()];
+        read(spec, self.ty, Some(&self.members), from, &mut found)?;
+        for (at, ((leaf, source), member)) in self.leaves.iter().zip(found).enumerate() {
             let value = match source {
-                Source::Default if leaf.base == Base::String => Scalar::Text(Vec::new()),
-                Source::Default => Scalar::Integer(leaf.default.into()),
-                Source::Constant(value) => Scalar::constant(value),
+                Source::Default if leaf.elements.is_some() => {
+                    Scalar::List(0u32.to_ne_bytes().to_vec())
+                }
+                Source::Default => Scalar::default(leaf),
+                Source::Constant(value) => {
+                    if let (Value::Array(items), Some(elements)) = (value, &leaf.elements) {
+                        put_items(items, elements, out)?;
+                        continue;
+                    }
+                    Scalar::constant(value)
+                }
                 Source::Now if leaf.path.ends_with(".sec") => Scalar::Integer(now.sec.into()),
                 Source::Now => Scalar::Integer(now.nanosec.into()),
                 Source::Member(..) => match member {
                     Some(value) => value,
-                    None => return Ok(None),
+                    None => return Ok(false),
                 },
             };
-            let wrong = || wrong(leaf);
-            match leaf.base {
-                Base::Float64 => out.number(value.float().to_ne_bytes()),
-                Base::Int32 => {
-                    let number = i32::try_from(value.integer()).map_err(|_| wrong())?;
-                    out.number(number.to_ne_bytes());
+            let Scalar::List(bytes) = &value else {
+                value.to_message(leaf, out).ok_or_else(|| wrong(leaf))?;
+                continue;
+            };
+            let mut items = Reader::new(bytes);
+            let count = u32::from_ne_bytes(items.take()?);
+            out.number(count.to_ne_bytes());
+            let Some(list) = self.lists.get(&at) else {
+                continue;
+            };
+            for _ in 0..count {
+                if list.is_plain {
+                    out.value(Values::new(spec), list.ty, &mut items)?;
+                } else if !list.put(spec, &mut items, now, out)? {
+                    return Ok(false);
                 }
-                Base::Uint32 => {
-                    let number = u32::try_from(value.integer()).ok();
-                    let number = number.filter(|number| !leaf.is_time || *number < SECOND);
-                    out.number(number.ok_or_else(wrong)?.to_ne_bytes());
-                }
-                _ => out.text(value.text()),
             }
         }
-        Ok(Some(out.finish()))
+        Ok(true)
     }
 
     /// The data of a port in a message. Members without a field are zero.
     ///
     /// # Errors
-    /// The message is malformed, or its time is not one of the port's type.
+    /// The message is malformed, its time is not one of the port's type, or a list has too many bytes.
     pub fn data(&self, spec: &Spec, message: &[u8]) -> Result<Vec<u8>, ValueError> {
-        let mut from = CdrReader::new(message, Unions::Branches)?;
-        let mut values = Vec::new();
-        for (leaf, _) in &self.leaves {
-            values.push(match leaf.base {
-                Base::Float64 => Scalar::Float(f64::from_ne_bytes(from.number()?)),
-                Base::Int32 => Scalar::Integer(i32::from_ne_bytes(from.number()?).into()),
-                Base::Uint32 => Scalar::Integer(u32::from_ne_bytes(from.number()?).into()),
-                _ => Scalar::Text(from.text()?.to_vec()),
-            });
-        }
         let mut out = Vec::new();
-        self.write(spec, self.ty, Some(&self.members), &values, &mut out)?;
+        self.get(spec, &mut CdrReader::new(message, Unions::Branches)?, &mut out)?;
         Ok(out)
+    }
+
+    /// Reads a message, and appends its value of the glue.
+    fn get(
+        &self,
+        spec: &Spec,
+        from: &mut CdrReader<'_>,
+        out: &mut Vec<u8>,
+    ) -> Result<(), ValueError> {
+        let mut values = Vec::with_capacity(self.leaves.len());
+        for (at, (leaf, _)) in self.leaves.iter().enumerate() {
+            let Some(elements) = &leaf.elements else {
+                values.push(Scalar::of_message(leaf, from)?);
+                continue;
+            };
+            let count = u32::from_ne_bytes(from.number()?);
+            let mut items = count.to_ne_bytes().to_vec();
+            // Each element needs at least one byte, so a larger count breaks off.
+            for _ in 0..count {
+                match self.lists.get(&at) {
+                    Some(list) if list.is_plain => {
+                        from.value(Values::new(spec), list.ty, &mut items)?;
+                    }
+                    Some(list) => list.get(spec, from, &mut items)?,
+                    None => {
+                        for leaf in elements {
+                            Scalar::of_message(leaf, from)?;
+                        }
+                    }
+                }
+                if items.len() > DATA {
+                    return Err(ValueError {
+                        at: leaf.path.clone(),
+                        what: format!("has to have at most {DATA} bytes in the port"),
+                    });
+                }
+            }
+            values.push(Scalar::List(items));
+        }
+        self.write(spec, self.ty, Some(&self.members), &values, out)
     }
 
     /// Writes a value of the glue. A value without assigned members is zero.
@@ -178,51 +260,87 @@ impl Conversion {
         out: &mut Vec<u8>,
     ) -> Result<(), ValueError> {
         let kind = &spec.ty(spec.resolve_alias(ty)).kind;
-        match (kind, members) {
-            (TypeKind::Optional { element }, Some(_)) => {
+        let Some(assigned) = members else {
+            out.extend(Values::new(spec).encode(ty, &Value::Null)?);
+            return Ok(());
+        };
+        match kind {
+            TypeKind::Optional { element } => {
                 out.push(1);
                 self.write(spec, *element, members, values, out)?;
             }
-            (TypeKind::Struct { members }, Some(Members::Parts(parts))) => {
+            TypeKind::Struct { members } => {
                 for (at, &member) in (0..).zip(members) {
-                    self.write(spec, member, parts.get(&at), values, out)?;
+                    self.write(spec, member, assigned.parts.get(&at), values, out)?;
                 }
             }
-            (TypeKind::Array { element, length }, Some(Members::Parts(parts))) => {
+            TypeKind::Array { element, length } => {
                 for at in 0..*length {
-                    self.write(spec, *element, parts.get(&at), values, out)?;
+                    self.write(spec, *element, assigned.parts.get(&at), values, out)?;
                 }
             }
-            (_, Some(Members::Scalar(leaves))) => {
-                let at = leaves[0];
-                let written = values[at].write(kind, out);
-                written.ok_or_else(|| wrong(&self.leaves[at].0))?;
+            _ => {
+                if let Some(&at) = assigned.leaves.first() {
+                    let written = values[at].write(kind, out);
+                    written.ok_or_else(|| wrong(&self.leaves[at].0))?;
+                } else {
+                    out.extend(Values::new(spec).encode(ty, &Value::Null)?);
+                }
             }
-            _ => out.extend(Values::new(spec).encode(ty, &Value::Null)?),
         }
         Ok(())
     }
 }
 
+/// The type of the elements of a member that a list takes.
+///
+/// # Errors
+/// In words: the member is not a list, or does not hold all lists of an input port.
+fn element(kind: &TypeKind, path: &str, leaf: &Leaf, dir: PortDir) -> Result<TypeId, String> {
+    let (word, field) = (kind.word(), &leaf.path);
+    match kind {
+        TypeKind::Sequence { element, bound: None } => Ok(*element),
+        TypeKind::Sequence { element, .. } | TypeKind::Array { element, .. }
+            if dir == PortDir::Out =>
+        {
+            Ok(*element)
+        }
+        TypeKind::Sequence { .. } | TypeKind::Array { .. } => Err(format!(
+            "`{path}` does not hold lists of all lengths of the field `{field}`: make it a sequence without \
+             bound"
+        )),
+        _ => Err(format!(
+            "`{path}` is of type `{word}`, and the field `{field}` is a list: assign a sequence or an array"
+        )),
+    }
+}
+
+/// Writes a constant list.
+fn put_items(items: &[Value], elements: &[Leaf], out: &mut CdrWriter) -> Result<(), ValueError> {
+    out.number(u32::try_from(items.len()).unwrap_or(u32::MAX).to_ne_bytes());
+    for item in items {
+        for leaf in elements {
+            let part = match item {
+                Value::Object(table) => table.get(leaf.within_element()),
+                value => Some(value),
+            };
+            let value = part.map_or_else(|| Scalar::default(leaf), Scalar::constant);
+            value.to_message(leaf, out).ok_or_else(|| wrong(leaf))?;
+        }
+    }
+    Ok(())
+}
+
 impl Members {
-    /// Adds a member by the indices on its path, and its leaf. False if the member has another leaf.
+    /// Adds a leaf of a member by the indices on its path. False if the member, or a part or whole of it, has
+    /// another leaf.
     fn add(&mut self, steps: &[u64], leaf: usize) -> bool {
-        match (self, steps) {
-            (Members::Parts(parts), [step, rest @ ..]) => {
-                let empty = match rest {
-                    [] => Members::Scalar(Vec::new()),
-                    _ => Members::Parts(BTreeMap::new()),
-                };
-                parts.entry(*step).or_insert(empty).add(rest, leaf)
-            }
-            (Members::Scalar(leaves), _) => {
-                leaves.push(leaf);
-                leaves.len() == 1
-            }
-            (parts, []) => {
-                *parts = Members::Scalar(vec![leaf]);
-                true
-            }
+        let is_free = self.leaves.is_empty();
+        if let [step, rest @ ..] = steps {
+            self.parts.entry(*step).or_default().add(rest, leaf) && is_free
+        } else {
+            self.leaves.push(leaf);
+            is_free && self.parts.is_empty()
         }
     }
 }
@@ -236,44 +354,71 @@ fn read(
     found: &mut [Option<Scalar>],
 ) -> Result<(), ValueError> {
     let kind = &spec.ty(spec.resolve_alias(ty)).kind;
-    match (kind, members) {
-        (TypeKind::Optional { element }, Some(_)) => {
+    let skip =
+        |from: &mut Reader<'_>| CdrWriter::new(Unions::Branches).value(Values::new(spec), ty, from);
+    let Some(assigned) = members else {
+        return skip(from);
+    };
+    match kind {
+        TypeKind::Optional { element } => {
             if from.take::<1>()? != [0] {
                 read(spec, *element, members, from, found)?;
             }
+            return Ok(());
         }
-        (TypeKind::Struct { members }, Some(Members::Parts(parts))) => {
+        TypeKind::Sequence { .. } | TypeKind::Array { .. } if !assigned.leaves.is_empty() => {
+            let mut behind = from.clone();
+            skip(&mut behind)?;
+            let mut list = match kind {
+                TypeKind::Array { length, .. } => {
+                    u32::try_from(*length).unwrap_or(u32::MAX).to_ne_bytes().to_vec()
+                }
+                _ => Vec::new(),
+            };
+            list.extend(from.clone().some(from.left() - behind.left())?);
+            for &leaf in &assigned.leaves {
+                found[leaf] = Some(Scalar::List(list.clone()));
+            }
+        }
+        _ => {}
+    }
+    match kind {
+        TypeKind::Struct { members } => {
             for (at, &member) in (0..).zip(members) {
-                read(spec, member, parts.get(&at), from, found)?;
+                read(spec, member, assigned.parts.get(&at), from, found)?;
             }
         }
-        (TypeKind::Array { element, length }, Some(Members::Parts(parts))) => {
+        TypeKind::Array { element, length } if !assigned.parts.is_empty() => {
             for at in 0..*length {
-                read(spec, *element, parts.get(&at), from, found)?;
+                read(spec, *element, assigned.parts.get(&at), from, found)?;
             }
         }
-        (_, Some(Members::Scalar(leaves))) => {
+        TypeKind::Sequence { .. } | TypeKind::Array { .. } => skip(from)?,
+        _ => {
             let value = Scalar::read(kind, from)?;
-            for &leaf in leaves {
+            for &leaf in &assigned.leaves {
                 found[leaf] = Some(value.clone());
             }
         }
-        // The value is skipped.
-        _ => CdrWriter::new(Unions::Branches).value(Values::new(spec), ty, from)?,
     }
     Ok(())
 }
 
 /// The member at a path: the indices that lead to it, and its type without optionals. `nanosec` is also found
 /// as `nsec`.
-fn find(spec: &Spec, ty: TypeId, path: &str) -> Result<(Vec<u64>, TypeId), String> {
+pub(crate) fn find(
+    spec: &Spec,
+    ty: TypeId,
+    path: &str,
+    within: &str,
+) -> Result<(Vec<u64>, TypeId), String> {
     let (mut ty, mut steps) = (present(spec, ty), Vec::new());
     let start = path.len() - path.trim_start_matches('.').len();
     let mut at = start;
     while at < path.len() {
         let so_far = match &path[start..at] {
-            "" => "the port's type".to_owned(),
-            known => format!("`{known}`"),
+            "" if within.is_empty() => "the port's type".to_owned(),
+            known => format!("`{within}{known}`"),
         };
         let begin = at + usize::from(path[at..].starts_with('.'));
         let step = first(&path[begin..]);
@@ -326,7 +471,7 @@ fn find(spec: &Spec, ty: TypeId, path: &str) -> Result<(Vec<u64>, TypeId), Strin
 }
 
 /// The type without aliases and optionals.
-fn present(spec: &Spec, ty: TypeId) -> TypeId {
+pub(crate) fn present(spec: &Spec, ty: TypeId) -> TypeId {
     let ty = spec.resolve_alias(ty);
     match &spec.ty(ty).kind {
         TypeKind::Optional { element } => present(spec, *element),

@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use crate::common::{self, Leaf, SECOND};
 use crate::description::Base;
+use crate::scalar::integers;
 
 /// Rules by component and port.
 pub type Rules = BTreeMap<String, BTreeMap<String, Rule>>;
@@ -69,6 +70,20 @@ pub(crate) struct Plan {
     pub(crate) leaves: Vec<(Leaf, Source)>,
 }
 
+impl Plan {
+    /// The elements of a list, whose members have the names of the fields.
+    pub(crate) fn of_element(elements: &[Leaf], keys: &[String]) -> Plan {
+        let leaves = elements.iter().map(|leaf| {
+            let path = match leaf.within_element() {
+                "" => String::new(),
+                path => format!(".{path}"),
+            };
+            (leaf.clone(), Source::Member(path, keys.to_vec()))
+        });
+        Plan { message: String::new(), leaves: leaves.collect() }
+    }
+}
+
 /// Errors that do not depend on a specification.
 pub fn check(rules: &Rules) -> Vec<RuleError> {
     let ports = rules.iter().flat_map(|(component, ports)| {
@@ -82,17 +97,8 @@ impl Rule {
     /// The sources of all leaves. `keys` are those of the rule.
     pub(crate) fn plan(&self, keys: &[String]) -> Result<Plan, Vec<RuleError>> {
         let below = |key: &str| [keys, &[key.to_owned()]].concat();
-        let short = self.message.replacen("/msg/", "/", 1);
-        let message = short.replacen('/', "/msg/", 1);
-        if !common::names().any(|name| name == message) {
-            let names: Vec<String> =
-                common::names().map(|name| name.replacen("/msg/", "/", 1)).collect();
-            let names: Vec<&str> = names.iter().map(String::as_str).collect();
-            return Err(vec![RuleError {
-                keys: below("type"),
-                why: format!("`{short}` is not a known message; {}", advice(&short, &names)),
-            }]);
-        }
+        let message = common::full_name(&self.message)
+            .map_err(|why| vec![RuleError { keys: below("type"), why }])?;
         let leaves = common::leaves(&message).into_iter();
         let mut leaves: Vec<_> = leaves.map(|leaf| (leaf, Source::Default)).collect();
         let mut errors = Vec::new();
@@ -162,11 +168,12 @@ fn assign_member(entry: &Entry<'_>, leaves: &mut [(Leaf, Source)]) -> Result<(),
 
 /// Assigns a value, or each value of a list to one leaf.
 fn assign_constant(entry: &Entry<'_>, leaves: &mut [(Leaf, Source)]) -> Result<(), String> {
+    let targets = targets(&entry.field, leaves)?;
+    let is_list = targets.iter().any(|&at| leaves[at].0.elements.is_some());
     let values = match entry.value {
-        Value::Array(values) => values.as_slice(),
+        Value::Array(values) if !is_list => values.as_slice(),
         value => std::slice::from_ref(value),
     };
-    let targets = targets(&entry.field, leaves)?;
     if targets.len() != values.len() {
         let field = &entry.field;
         return Err(match targets.len() {
@@ -175,27 +182,52 @@ fn assign_constant(entry: &Entry<'_>, leaves: &mut [(Leaf, Source)]) -> Result<(
         });
     }
     for (at, value) in targets.into_iter().zip(values) {
-        let (fits, expected) = match leaves[at].0.base {
-            Base::String => (value.is_string(), "a string"),
-            Base::Float64 => (value.is_number(), "a number"),
-            Base::Int32 => (
-                value.as_i64().is_some_and(|number| i32::try_from(number).is_ok()),
-                "a whole number of 32 bits",
-            ),
-            // Nanoseconds of a time.
-            _ if leaves[at].0.is_time => (
-                value.as_u64().is_some_and(|number| number < u64::from(SECOND)),
-                "a whole number from 0 to 999999999",
-            ),
-            _ => (
-                value.as_u64().is_some_and(|number| u32::try_from(number).is_ok()),
-                "a whole number from 0 to 4294967295",
-            ),
-        };
-        if !fits {
-            return Err(format!("expected {expected}, not {value}"));
-        }
+        check_constant(&leaves[at].0, value)?;
         assign(&mut leaves[at], Source::Constant(value.clone()))?;
+    }
+    Ok(())
+}
+
+/// Accepts a value for a leaf.
+fn check_constant(leaf: &Leaf, value: &Value) -> Result<(), String> {
+    if let Some(elements) = &leaf.elements {
+        let Value::Array(items) = value else {
+            return Err(format!("expected a list of all values of `{}`, not {value}", leaf.path));
+        };
+        return items.iter().try_for_each(|item| check_item(leaf, elements, item));
+    }
+    let (fits, expected) = match (&leaf.base, integers(&leaf.base)) {
+        (_, Some((from, to))) => {
+            let is_nanoseconds = leaf.is_time && leaf.base == Base::Uint32;
+            let to = if is_nanoseconds { i128::from(SECOND) - 1 } else { to };
+            let number = value.as_number().and_then(serde_json::Number::as_i128);
+            let fits = number.is_some_and(|number| (from..=to).contains(&number));
+            (fits, format!("a whole number from {from} to {to}"))
+        }
+        (Base::Float32 | Base::Float64, _) => (value.is_number(), "a number".to_owned()),
+        (Base::Bool, _) => (value.is_boolean(), "true or false".to_owned()),
+        _ => (value.is_string(), "a string".to_owned()),
+    };
+    if fits { Ok(()) } else { Err(format!("expected {expected}, not {value}")) }
+}
+
+/// Accepts a value for an element of a list: a table for a message.
+fn check_item(list: &Leaf, elements: &[Leaf], item: &Value) -> Result<(), String> {
+    if let [one] = elements
+        && one.within_element().is_empty()
+    {
+        return check_constant(one, item);
+    }
+    let names: Vec<&str> = elements.iter().map(Leaf::within_element).collect();
+    let Value::Object(table) = item else {
+        let (path, base) = (&list.path, list.base.text());
+        return Err(format!("expected elements of `{path}`, of type `{base}`, not {item}"));
+    };
+    for (key, value) in table {
+        let leaf = names.iter().position(|name| name == key).ok_or_else(|| {
+            format!("an element of `{}` has no field `{key}`; {}", list.path, advice(key, &names))
+        })?;
+        check_constant(&elements[leaf], value)?;
     }
     Ok(())
 }
@@ -241,7 +273,7 @@ fn unknown(field: &str, leaves: &[(Leaf, Source)]) -> String {
         known => format!("`{known}`"),
     };
     match names.as_slice() {
-        [""] => format!("{of} is a single value: assign it as a whole"),
+        [""] => format!("{of} has no parts: assign it as a whole"),
         [first, ..] if first.starts_with('[') => {
             let last = names.len() - 1;
             format!("{of} has no element `{wanted}`: there are `[0]` to `[{last}]`")

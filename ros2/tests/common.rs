@@ -47,9 +47,16 @@ geometry_msgs/msg/TwistStamped 5f0fcd4f81d5d06ad9b4c4c63e3ea51b82d6ae4d0558f1d47
 geometry_msgs/msg/TwistWithCovariance 49f574f033f095d8b6cd1beaca5ca7925e296e84af1716d16c89d38b059c8c18
 nav_msgs/msg/Odometry 3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0
 sensor_msgs/msg/Imu 7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b
+sensor_msgs/msg/Image d31d41a9a4c4bc8eae9be757b0beed306564f7526c88ea6a4588fb9582527d47
+sensor_msgs/msg/RegionOfInterest ad16bcba5f9131dcdba6fbded19f726f5440e3c513b4fb586dd3027eeed8abb1
+sensor_msgs/msg/CameraInfo b3dfd68ff46c9d56c80fd3bd4ed22c7a4ddce8c8348f2f59c299e73118e7e275
+sensor_msgs/msg/LaserScan 64c191398013af96509d518dac71d5164f9382553fce5c1f8cca5be7924bd828
+sensor_msgs/msg/PointField 5c6a4750728c2bcfbbf7037225b20b02d4429634732146b742dee1726637ef01
+sensor_msgs/msg/PointCloud2 9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5
+sensor_msgs/msg/JointState a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e
 ";
 
-fn rules(port: &str, message: &str, fields: &Value, constants: &Value) -> Rules {
+pub(crate) fn rules(port: &str, message: &str, fields: &Value, constants: &Value) -> Rules {
     let table = |value: &Value| -> BTreeMap<String, Value> {
         let entries = value.as_object().into_iter().flatten();
         entries.map(|(key, value)| (key.clone(), value.clone())).collect()
@@ -60,14 +67,14 @@ fn rules(port: &str, message: &str, fields: &Value, constants: &Value) -> Rules 
     BTreeMap::from([("pom".to_owned(), ports)])
 }
 
-fn conversion(unit: &UnitResult, rules: &Rules) -> Conversion {
+pub(crate) fn conversion(unit: &UnitResult, rules: &Rules) -> Conversion {
     let found = conversions(&unit.spec, &unit.spec.components[0], rules);
     let mut found = found.unwrap_or_else(|errors| panic!("{errors:?}"));
     found.pop_first().expect("a port").1
 }
 
 /// The data of a port with a state.
-fn data(unit: &UnitResult, state: &Value) -> Vec<u8> {
+pub(crate) fn data(unit: &UnitResult, state: &Value) -> Vec<u8> {
     let port = &unit.spec.components[0].ports[0];
     Values::new(&unit.spec).encode(port.data, state).expect("a state")
 }
@@ -78,7 +85,7 @@ fn pose() -> Value {
     })
 }
 
-const NOW: Stamp = Stamp { sec: 7, nanosec: 8 };
+pub(crate) const NOW: Stamp = Stamp { sec: 7, nanosec: 8 };
 
 /// A `PoseStamped` in the frame `map`.
 fn pose_stamped(stamp: (i32, u32), numbers: [f64; 7]) -> Vec<u8> {

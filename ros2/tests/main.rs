@@ -4,6 +4,7 @@ mod common;
 mod corpus;
 mod hashes;
 mod interfaces;
+mod lists;
 mod node;
 mod payloads;
 

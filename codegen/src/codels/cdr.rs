@@ -91,7 +91,7 @@ impl ValueReader for Reader<'_> {
     }
 
     fn left(&self) -> usize {
-        self.bytes.len()
+        Reader::left(self)
     }
 }
 

@@ -376,6 +376,11 @@ impl<'b> Reader<'b> {
         Reader { bytes }
     }
 
+    /// Number of remaining bytes.
+    pub fn left(&self) -> usize {
+        self.bytes.len()
+    }
+
     /// Takes a number of bytes.
     ///
     /// # Errors
