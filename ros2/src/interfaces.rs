@@ -37,8 +37,8 @@ pub fn interfaces(
     let mut mapping = Mapping::new(spec);
     let mut refused = Vec::new();
     for component in components {
-        let conversions = conversions(spec, component, rules)?;
-        match offer(&mut mapping, spec, component, &conversions) {
+        let mut conversions = conversions(spec, component, rules)?;
+        match offer(&mut mapping, spec, component, &mut conversions) {
             Ok((_, some)) => refused.extend(some),
             Err(error) => refused.push(error),
         }

@@ -18,7 +18,7 @@
 //! The response of a service and the result of an action have the outputs, a string `exception`, which is
 //! empty after success, and a `T[<=1]` for each exception with members.
 //!
-//! A port has a [common](common) message instead if a [rule](rules) says so.
+//! A port has a [common](common) message instead if a [rule](rules) or `#pragma masquerade` says so.
 
 pub mod cdr;
 pub mod common;
@@ -26,6 +26,7 @@ pub mod conversion;
 pub mod description;
 pub mod interfaces;
 pub mod mapping;
+mod masquerade;
 pub mod names;
 pub mod node;
 pub mod refusal;

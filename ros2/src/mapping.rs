@@ -6,7 +6,7 @@ use dotgen_analysis::model::{Scope, ScopeKind, Spec, Src, TypeId, TypeKind};
 use dotgen_analysis::phrase::Phrase;
 
 use crate::description::{Base, Count, Field, FieldType, Types};
-use crate::names;
+use crate::{common, masquerade, names};
 
 /// The reason for which a part of the model has no form in ROS 2, and its place.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -233,6 +233,11 @@ impl<'s> Mapping<'s> {
     }
 
     fn field_type_here(&mut self, ty: TypeId, place: &Place) -> Result<FieldType, Obstacle> {
+        let masked = masquerade::nested(self.spec, ty);
+        if let Some(message) = masked.map_err(|why| Obstacle { why, src: place.src })? {
+            common::add(&message, &mut self.types);
+            return Ok(FieldType::nested(message));
+        }
         let resolved = self.spec.resolve_alias(ty);
         let kind = &self.spec.ty(resolved).kind;
         let base = match kind {

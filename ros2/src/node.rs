@@ -11,6 +11,7 @@ use crate::common;
 use crate::conversion::{Conversion, Conversions};
 use crate::description::{Base, CANCEL_GOAL, Count, Field, STATUS_ARRAY, Types};
 use crate::mapping::{Mapping, Obstacle, Place, distinct};
+use crate::masquerade;
 use crate::names;
 use crate::refusal::Refusal;
 use crate::wire::{self, Kind, NodeId, Qos};
@@ -91,11 +92,12 @@ pub struct Node {
     pub refused: Vec<Refusal>,
     /// The descriptions of all types.
     pub types: Types,
-    /// Conversions of ports with common messages.
+    /// Conversions of ports with common messages, by rules and pragmas.
     pub conversions: Conversions,
 }
 
-/// Lists the endpoints of a component. Ports with a conversion have its message.
+/// Lists the endpoints of a component. Ports with a conversion, or a type that masquerades as a common
+/// message, have its message.
 ///
 /// # Errors
 /// The component itself has no name in ROS 2, or its package has no name.
@@ -103,10 +105,10 @@ pub fn endpoints(
     spec: &Spec,
     component: &Component,
     domain: u32,
-    conversions: Conversions,
+    mut conversions: Conversions,
 ) -> Result<Node, Vec<Refusal>> {
     let mut mapping = Mapping::new(spec);
-    let offered = offer(&mut mapping, spec, component, &conversions);
+    let offered = offer(&mut mapping, spec, component, &mut conversions);
     let (endpoints, refused) = offered.map_err(|error| vec![error])?;
     Ok(Node {
         name: component.name.to_string(),
@@ -118,12 +120,12 @@ pub fn endpoints(
     })
 }
 
-/// Adds the types of a component to a mapping, and lists its endpoints.
+/// Adds the types of a component to a mapping, and lists its endpoints. Adds the conversions of pragmas.
 pub(crate) fn offer(
     mapping: &mut Mapping<'_>,
     spec: &Spec,
     component: &Component,
-    conversions: &Conversions,
+    conversions: &mut Conversions,
 ) -> Result<(Vec<Endpoint>, Vec<Refusal>), Refusal> {
     let part = || format!("component `{}`", component.name);
     let name =
@@ -133,7 +135,17 @@ pub(crate) fn offer(
     let mut offer = Offer { mapping, spec, component, package, endpoints: Vec::new() };
     let mut refused = Vec::new();
     for (index, port) in (0u32..).zip(&component.ports) {
-        if let Err(error) = offer.port(index, port, conversions.get(&index)) {
+        let masked = match conversions.remove(&index) {
+            Some(conversion) => Ok(Some(conversion)),
+            None => masquerade::conversion(spec, port),
+        };
+        let masked = masked.map_err(|why| Obstacle { why, src: port.src });
+        let offered = masked.and_then(|conversion| {
+            offer.port(index, port, conversion.as_ref())?;
+            conversions.extend(conversion.map(|conversion| (index, conversion)));
+            Ok(())
+        });
+        if let Err(error) = offered {
             let part = format!("port `{}.{}`", component.name, port.name);
             refused.push(refusal(part, error));
         }

@@ -5,6 +5,7 @@ mod corpus;
 mod hashes;
 mod interfaces;
 mod lists;
+mod masquerade;
 mod node;
 mod payloads;
 
