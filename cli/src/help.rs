@@ -33,7 +33,7 @@ const RUN: &[Heading] = &[
         &["zenoh_listen"],
         &["socket", "listen", "listen_anyone", "zenoh_connect", "zenoh_reads"],
     ),
-    ("ROS 2", &["ros2"], &["ros_domain"]),
+    ("ROS 2", &["ros2"], &["ros_domain", "remaps"]),
     ("Model", &["cores", "checks"], &["semantics", "policy", "bounds"]),
     ("Output", &["record", "trace"], &["profile", "format"]),
 ];

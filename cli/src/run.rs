@@ -20,6 +20,7 @@ use std::io::Write;
 use camino::Utf8PathBuf;
 use clap::{Args, ValueEnum};
 use dotgen_analysis::model::Seconds;
+use dotgen_ros2::remap::Remap;
 use dotgen_runtime::decide;
 use dotgen_runtime::engine::End;
 use dotgen_runtime::report::RunReport;
@@ -120,6 +121,10 @@ pub(super) struct Arguments {
     /// ROS domain [default: ROS_DOMAIN_ID, or 0]
     #[arg(long, value_name = "N", requires = "ros2", value_parser = clap::value_parser!(u32).range(0..=232))]
     ros_domain: Option<u32>,
+
+    /// Rename a topic, service or action, for example /motor/measure:=/odom
+    #[arg(long = "remap", value_name = "FROM:=TO", requires = "ros2", action = clap::ArgAction::Append)]
+    remaps: Vec<Remap>,
 
     /// Number of runs, each with the next seed
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]

@@ -135,6 +135,28 @@ fn wrong_settings_of_messages_are_told() {
 }
 
 #[test]
+fn names_are_remapped_before_the_run() {
+    let directory = pom(COMMON);
+    let run = |remaps: &[&str]| {
+        let endpoint = endpoint();
+        let mut words =
+            vec!["run", "pom.gen", "--clock", "real", "--simulate", "all", "--until", "100ms"];
+        words.extend(["--socket", "s", "--ros2", "--zenoh-listen", &endpoint]);
+        words.extend(remaps.iter().flat_map(|remap| ["--remap", remap]));
+        let output = directory.run(&words);
+        (status(&output), stderr(&output))
+    };
+    let (code, told) = run(&["/pom/wanted:=/cmd_vel", "pom/odometry:=/odom"]);
+    assert_eq!(code, 0, "{told}");
+    let (code, told) = run(&["/pom/odometri:=/odom"]);
+    assert_eq!(code, 2, "{told}");
+    assert!(told.contains("did you mean `/pom/odometry`? There are `/pom/"), "{told}");
+    let (code, told) = run(&["/pom/odometry:=/pom/wanted"]);
+    assert_eq!(code, 2, "{told}");
+    assert!(told.contains("geometry_msgs/msg/Twist"), "{told}");
+}
+
+#[test]
 fn packages_lack_types_of_ports_with_common_messages() {
     let directory = pom(COMMON);
     let output = directory.run(&["generate", "ros2-interfaces", "-o", "ros", "pom.gen"]);
@@ -156,6 +178,9 @@ fn wrong_options_are_told() {
     assert!(wrong(&["--ros2"]).contains("--clock real"));
     assert!(wrong(&["--ros-domain", "3"]).contains("--ros2"));
     assert!(wrong(&["--ros2", "--zenoh-read", "a.b=c"]).contains("cannot be used with"));
+    assert!(wrong(&["--remap", "/one/a:=/b"]).contains("--ros2"));
+    let relative = wrong(&["--clock", "real", "--ros2", "--remap", "/one/a:=b"]);
+    assert!(relative.contains("the name `b` is not absolute"), "{relative}");
     let far = wrong(&["--clock", "real", "--ros2", "--ros-domain", "233"]);
     assert!(far.contains("0..=232"), "{far}");
 }

@@ -12,6 +12,7 @@ use std::sync::{Arc, Mutex};
 use dotgen_ros2::cdr::Payloads;
 use dotgen_ros2::conversion::{Conversion, Conversions};
 use dotgen_ros2::node::{Endpoint, Node, Part, endpoints};
+use dotgen_ros2::remap::{Remap, remap};
 use dotgen_ros2::wire::{Kind, NodeId};
 use dotgen_runtime::hosts::RequestReply;
 use zenoh::liveliness::LivelinessToken;
@@ -42,13 +43,15 @@ pub struct Ros2Options<'a> {
     pub domain: u32,
     /// By component: the ports with common messages.
     pub conversions: &'a BTreeMap<ComponentId, Conversions>,
+    /// Other names of topics, services and actions.
+    pub remaps: &'a [Remap],
 }
 
 /// Adds the components of a run to the graph of ROS 2. `is_fed` returns true for input ports that get their
 /// data from this run. Parts without a form in ROS 2 are reported.
 ///
 /// # Errors
-/// A message: an endpoint is invalid, or another program listens there.
+/// A message: an endpoint is invalid, another program listens there, or a name cannot be remapped.
 pub fn join(
     wanted: Ros2Options<'_>,
     known: &BTreeMap<ComponentId, KnownComponent>,
@@ -57,6 +60,7 @@ pub fn join(
     tell: &Notifier,
 ) -> Result<Box<dyn RunListener>, String> {
     let failed = |error: zenoh::Error| format!("cannot join ROS 2 by Zenoh: {error}");
+    let found = nodes(wanted, known, is_fed, tell)?;
     let session = open(wanted).map_err(failed)?;
     let mut nodes = Nodes {
         id: session.zid().to_string(),
@@ -67,20 +71,41 @@ pub fn join(
         unpublished: BTreeSet::new(),
         tell: tell.clone(),
     };
+    for (component, node) in found {
+        let joined = nodes.add(component, node).map_err(failed)?;
+        nodes.joined.insert(component, joined);
+    }
+    Ok(Box::new(nodes))
+}
+
+/// The nodes of components, without the input ports that get their data from this run.
+fn nodes(
+    wanted: Ros2Options<'_>,
+    known: &BTreeMap<ComponentId, KnownComponent>,
+    is_fed: &dyn Fn(ComponentId, u32) -> bool,
+    tell: &Notifier,
+) -> Result<BTreeMap<ComponentId, Node>, String> {
+    let mut found = BTreeMap::new();
     for (&component, entry) in known {
         let conversions = wanted.conversions.get(&component);
         let conversions = conversions.cloned().unwrap_or_default();
         match endpoints(&entry.spec, entry.component(), wanted.domain, conversions) {
-            Ok(node) => {
+            Ok(mut node) => {
                 let refused = node.refused.iter();
                 refused.for_each(|refusal| tell(&refusal.to_string()));
-                let joined = nodes.add(component, node, is_fed).map_err(failed)?;
-                nodes.joined.insert(component, joined);
+                node.endpoints.retain(|endpoint| match (endpoint.kind, endpoint.part) {
+                    (Kind::Subscription, Part::Port(port)) => !is_fed(component, port),
+                    _ => true,
+                });
+                found.insert(component, node);
             }
             Err(all) => all.iter().for_each(|refusal| tell(&refusal.to_string())),
         }
     }
-    Ok(Box::new(nodes))
+    if !wanted.remaps.is_empty() {
+        remap(wanted.remaps, &mut found.values_mut().collect::<Vec<_>>())?;
+    }
+    Ok(found)
 }
 
 fn open(wanted: Ros2Options<'_>) -> zenoh::Result<Session> {
@@ -135,12 +160,7 @@ impl Nodes {
     }
 
     /// Declares a node with its endpoints.
-    fn add(
-        &self,
-        component: ComponentId,
-        node: Node,
-        is_fed: &dyn Fn(ComponentId, u32) -> bool,
-    ) -> zenoh::Result<Joined> {
+    fn add(&self, component: ComponentId, node: Node) -> zenoh::Result<Joined> {
         let number = self.number();
         let id = self.id(&node, number);
         let declare = |token| self.session.liveliness().declare_token(token).wait();
@@ -162,7 +182,7 @@ impl Nodes {
                         topics.insert((port, String::new()), Some(topic()?));
                     }
                 }
-                (Kind::Subscription, Part::Port(port)) if !is_fed(component, port) => {
+                (Kind::Subscription, Part::Port(port)) => {
                     let conversion = node.conversions.get(&port).cloned();
                     let input = self.input(component, port, endpoint.multiple, conversion);
                     let subscriber = self.session.declare_subscriber(key);
@@ -306,8 +326,8 @@ impl Input {
         if payload.len() > MAX_REQUEST_BYTES {
             return;
         }
-        // DOMAIN/COMPONENT/PORT/INSTANCE/TYPE/HASH
-        let instance = sample.key_expr().as_str().split('/').nth(3);
+        // DOMAIN/…/INSTANCE/TYPE/HASH
+        let instance = sample.key_expr().as_str().rsplit('/').nth(2);
         let name = instance.filter(|_| self.multiple).unwrap_or_default();
         let component = self.known.component();
         let ty = component.ports[self.port as usize].data;

@@ -30,6 +30,7 @@ mod masquerade;
 pub mod names;
 pub mod node;
 pub mod refusal;
+pub mod remap;
 pub mod rules;
 mod scalar;
 pub mod wire;

@@ -8,6 +8,7 @@ mod lists;
 mod masquerade;
 mod node;
 mod payloads;
+mod remap;
 
 use dotgen_analysis::host::UnitResult;
 use dotgen_analysis::model::{Spec, TypeId};

@@ -151,6 +151,7 @@ fn join(
             connect: &arguments.zenoh_connect,
             domain: arguments.ros_domain()?,
             conversions: &conversions(session, known).map_err(anyhow::Error::msg)?,
+            remaps: &arguments.remaps,
         };
         let outside = ros2::join(wanted, known, &is_fed, &children.inbox(), &tell);
         children.tell(outside.map_err(anyhow::Error::msg)?);
