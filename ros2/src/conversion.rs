@@ -82,8 +82,8 @@ pub fn conversions(
 }
 
 impl Conversion {
-    /// The conversion of a type by a plan. `within` is the name of the type in messages: `points[]`, empty for
-    /// the port's type.
+    /// The conversion of a type by a plan. Messages name the type by `within`: `points[]`, empty for the type
+    /// of the port.
     pub(crate) fn new(
         spec: &Spec,
         ty: TypeId,

@@ -204,7 +204,7 @@ impl Range {
     /// True if no value of another type is lost.
     fn holds(&self, other: &Range) -> bool {
         match (self, other) {
-            (Range::Booleans, Range::Booleans) | (Range::Integers(..), Range::Booleans) => true,
+            (Range::Booleans | Range::Integers(..), Range::Booleans) => true,
             (Range::Integers(from, to), Range::Integers(least, most)) => {
                 from <= least && most <= to
             }
