@@ -25,7 +25,7 @@ const RUN: &[Heading] = &[
     (
         "Run",
         &["clock", "simulate", "until", "inputs", "runs", "debug"],
-        &["seed", "durations", "weights", "on_violation", "stop_within"],
+        &["width", "shard", "seed", "durations", "weights", "on_violation", "stop_within"],
     ),
     ("Real clock", &[], &["params", "engine_within", "host_within", "systemd"]),
     (
@@ -35,7 +35,7 @@ const RUN: &[Heading] = &[
     ),
     ("ROS 2", &["ros2"], &["ros_domain", "remaps"]),
     ("Model", &["cores", "checks"], &["semantics", "policy", "bounds"]),
-    ("Output", &["record", "trace"], &["profile", "format"]),
+    ("Output", &["record"], &["trace", "profile", "format"]),
 ];
 
 const VERIFY: &[Heading] = &[

@@ -4,6 +4,7 @@ pub(super) mod bounds;
 mod execute;
 #[cfg(unix)]
 mod hosted;
+mod merge;
 #[cfg(unix)]
 mod params;
 mod record;
@@ -23,18 +24,20 @@ use dotgen_analysis::model::Seconds;
 use dotgen_ros2::remap::Remap;
 use dotgen_runtime::decide;
 use dotgen_runtime::engine::End;
+use dotgen_runtime::estimate;
+use dotgen_runtime::parts::Part;
 use dotgen_runtime::report::RunReport;
 use dotgen_runtime::simulation::Plan;
 use dotgen_runtime::weights::{BadLine, Weights};
 use dotgen_timing::scn::ast::Unit;
-use dotgen_timing::verify::{Options, Prepared};
+use dotgen_timing::verify::Prepared;
 use num_rational::Ratio;
+use serde::{Deserialize, Serialize};
 
 use super::outputs::{self, MCAP, Output, PERFETTO, VIEWER};
 use super::system_options::SystemOptions;
 use super::verify::{body, interrupt, problems};
 use super::{Outcome, SpecificationOptions, report, session};
-use dotgen_views::verification::Problem;
 use scenario::{Ended, one};
 
 /// Run components and watch the checks of a scenario
@@ -53,11 +56,15 @@ use scenario::{Ended, one};
 /// could be run (wrong usage, a file that cannot be read or has errors, codels that do not compile), 3 if the
 /// run ended early, 4 if something had not ended within --stop-within.
 #[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, disable_help_subcommand = true)]
 pub(super) struct Arguments {
     /// Scenarios (.scn), specifications (.gen), and directories to search for .gen files [default: the
     /// scenario in this directory, else .]
     #[arg(value_name = "FILE")]
     files: Vec<Utf8PathBuf>,
+
+    #[command(subcommand)]
+    command: Option<Subcommand>,
 
     /// Clock of the run
     #[arg(long, value_enum, default_value_t = Clock::Virtual)]
@@ -130,6 +137,14 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     runs: u64,
 
+    /// As many runs as make the interval of each probability narrower than WIDTH, for example 0.02
+    #[arg(long, value_name = "WIDTH", value_parser = width, conflicts_with = "runs")]
+    width: Option<f64>,
+
+    /// Only part K of M of the runs, for example 3/8; `dotgen run merge` merges the reports of all parts
+    #[arg(long, value_name = "K/M", value_parser = shard, default_value = "1/1", hide_default_value = true)]
+    shard: Part,
+
     /// Seed of random times and yields
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     seed: u64,
@@ -196,7 +211,14 @@ pub(super) struct Arguments {
     reading: SpecificationOptions,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, clap::Subcommand)]
+enum Subcommand {
+    /// Merge the reports of parts of the runs
+    Merge(merge::Arguments),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 enum Clock {
     /// Simulated time: discrete events, no waiting
     Virtual,
@@ -268,15 +290,21 @@ enum Contents {
     Messages(u64),
 }
 
-/// A finished run.
+/// A finished run: a document of `--format json`.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 struct Answer {
-    problem: Problem,
-    options: Options,
-    report: RunReport,
+    /// The scenario, as users call it.
+    file: String,
     clock: Clock,
-    /// Number of executed codels, and of all codels.
-    executed: (usize, usize),
+    /// Cores, policy, durations and semantics, in words.
+    platform: String,
+    executed_codels: usize,
+    simulated_codels: usize,
+    #[serde(flatten)]
+    report: RunReport,
     /// Files that were written.
+    #[serde(skip)]
     written: Vec<WrittenFile>,
 }
 
@@ -295,6 +323,28 @@ fn time(text: &str) -> Result<Seconds, String> {
         _ => return Err(wrong()),
     };
     Ok(number * unit)
+}
+
+/// The least width: it takes seven million runs.
+const MIN_WIDTH: f64 = 0.001;
+
+/// Parses the width of an interval of probabilities.
+fn width(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(width) if (MIN_WIDTH..=1.0).contains(&width) => Ok(width),
+        _ => Err(format!("give a number from {MIN_WIDTH} to 1")),
+    }
+}
+
+/// Parses a part of the runs: `3/8`.
+fn shard(text: &str) -> Result<Part, String> {
+    let numbers = text
+        .split_once('/')
+        .and_then(|(index, of)| Some((index.parse::<u64>().ok()?, of.parse::<u64>().ok()?)));
+    match numbers {
+        Some((index, of)) if (1..=of).contains(&index) => Ok(Part { index: index - 1, of }),
+        _ => Err("give the number of the part and that of all parts, for example 3/8".to_owned()),
+    }
 }
 
 /// Parses the longest end of a run.
@@ -331,9 +381,14 @@ fn exact(text: &str) -> Option<Seconds> {
 }
 
 impl Arguments {
+    /// Returns the number of runs, of which `--shard` selects a part.
+    fn all_runs(&self) -> u64 {
+        self.width.map_or(self.runs, estimate::runs_for)
+    }
+
     /// Reports options that do not fit together, for a number of scenarios.
     fn check(&self, scenarios: usize) -> anyhow::Result<()> {
-        let several = scenarios > 1 || self.runs > 1;
+        let several = scenarios > 1 || self.all_runs() > 1;
         let virtually = self.clock == Clock::Virtual;
         let conflicts = [
             (
@@ -347,6 +402,10 @@ impl Arguments {
             (
                 self.record.is_some() && several,
                 "`--record` writes one run: one scenario, without `--runs`",
+            ),
+            (
+                self.all_runs() < self.shard.of,
+                "`--shard` divides runs into parts: give `--runs` at least as many as parts",
             ),
             (self.debug && several, "`--debug` is for one run: one scenario, without `--runs`"),
             (
@@ -400,6 +459,9 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    if let Some(Subcommand::Merge(arguments)) = &arguments.command {
+        return merge::run(arguments);
+    }
     let checks: Vec<&str> = arguments.checks.iter().map(|check| body(check)).collect();
     // Every way to end a run also ends its compilers and hosts.
     let interrupt = interrupt::on_signals();
@@ -430,14 +492,21 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             Ended::Stopped(outcome) => return Ok(outcome),
         }
     }
-    if !answers.is_empty() {
-        match arguments.format {
-            Format::Text => text::print(&answers)?,
-            Format::Json => print_json(&answers)?,
-        }
+    print(&answers, arguments.format)?;
+    Ok(trouble.outcome(outcome(&answers)))
+}
+
+fn print(answers: &[Answer], format: Format) -> anyhow::Result<()> {
+    match format {
+        _ if answers.is_empty() => Ok(()),
+        Format::Text => text::print(answers),
+        Format::Json => print_json(answers),
     }
+}
+
+fn outcome(answers: &[Answer]) -> Outcome {
     let ended = |answer: &Answer| !matches!(answer.report.end, End::Done | End::NothingLeft);
-    Ok(trouble.outcome(if answers.iter().any(|answer| !answer.report.unfinished.is_empty()) {
+    if answers.iter().any(|answer| !answer.report.unfinished.is_empty()) {
         Outcome::NotStopped
     } else if answers.iter().any(|answer| answer.report.violated()) {
         Outcome::Errors
@@ -445,7 +514,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         Outcome::GaveUp
     } else {
         Outcome::Fine
-    }))
+    }
 }
 
 impl Arguments {
@@ -513,13 +582,13 @@ impl Arguments {
 
     fn plan<'w>(&self, prepared: &Prepared, weights: Option<&'w Weights>) -> Plan<'w> {
         let ten_seconds = Ratio::from_integer(10);
-        Plan {
+        self.shard.plan(&Plan {
             until: match (self.until, self.clock) {
                 (Some(ratio), _) => prepared.ticks(ratio),
                 (None, Clock::Virtual) => prepared.ticks(ten_seconds),
                 (None, Clock::Real) => u64::MAX,
             },
-            runs: self.runs,
+            runs: self.all_runs(),
             seed: self.seed,
             weights,
             durations: match self.durations {
@@ -529,24 +598,15 @@ impl Arguments {
             },
             stop_at_violation: self.on_violation == OnViolation::Stop,
             record: (self.trace.as_ref()).is_some_and(|trace| trace.extension() != Some(PERFETTO)),
-        }
+        })
     }
 }
 
 /// One document: an object for one scenario, a list for several.
 fn print_json(answers: &[Answer]) -> anyhow::Result<()> {
-    let mut documents = Vec::new();
-    for answer in answers {
-        let mut document = serde_json::to_value(&answer.report)?;
-        document["file"] = session::display(&answer.problem.path).into();
-        document["clock"] = answer.clock.word().into();
-        document["executed-codels"] = answer.executed.0.into();
-        document["simulated-codels"] = answer.executed.1.into();
-        documents.push(document);
-    }
-    let document = match documents.len() {
-        1 => documents.remove(0),
-        _ => serde_json::Value::Array(documents),
+    let document = match answers {
+        [answer] => serde_json::to_value(answer)?,
+        _ => serde_json::to_value(answers)?,
     };
     let mut out = serde_json::to_string_pretty(&document)?;
     out.push('\n');

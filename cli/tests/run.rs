@@ -443,3 +443,75 @@ fn what_nothing_exercised_is_not_kept() {
         assert!(runs("lamp.exec.main") >= 98, "{report:#}");
     }
 }
+
+#[test]
+fn the_reports_of_parts_merge_into_the_report_of_the_whole() {
+    let directory = Directory::new(&[
+        (
+            "late.gen",
+            "component late {
+               exception oops;
+               task t { period 10 ms;
+                 codel<start> f() yield pause::main wcet 2 ms;
+                 codel<main> g() yield pause::main, slow wcet 8 ms;
+                 codel<slow> h() yield pause::main wcet 4 ms; };
+               activity go() { task t; codel<start> k() yield ether wcet 1 ms; throw oops; }; };
+            ",
+        ),
+        (
+            "late.scn",
+            "scenario late { use \"late.gen\"; client c { repeat * { delay 30 ms; send late.go; } }
+               check schedulable late.t; }",
+        ),
+    ]);
+    let run = |options: &[&str]| {
+        let words =
+            ["run", "late.scn", "--simulate", "all", "--until", "200ms", "--format", "json"];
+        directory.run(&[&words[..], options].concat())
+    };
+    let runs = ["--runs", "100", "--seed", "5"];
+    let whole = run(&runs);
+    assert_eq!(status(&whole), 1, "{}", stderr(&whole));
+    for number in 1..=3 {
+        let part = run(&[&runs[..], &["--shard", &format!("{number}/3")]].concat());
+        directory.write(&format!("{number}.json"), &part.stdout);
+    }
+    let merge = |words: &str| {
+        let words: Vec<&str> = ["run", "merge"].into_iter().chain(words.split(' ')).collect();
+        directory.run(&words)
+    };
+    let merged = merge("3.json 1.json 2.json --format json");
+    assert_eq!(status(&merged), 1, "{}", stderr(&merged));
+    assert_eq!(stdout(&merged), stdout(&whole));
+    let check = &json_of(&whole)["checks"][0];
+    assert!(check["probability"]["low"].as_f64() > Some(0.0), "{check}");
+    // A part is missing.
+    let gap = stdout(&merge("3.json 1.json"));
+    assert!(gap.contains("the seeds of the runs have gaps"), "{gap}");
+    // A run counts once, and only with runs of the same system.
+    let twice = merge("1.json 1.json");
+    assert_eq!(status(&twice), 2);
+    assert!(stderr(&twice).contains("two reports contain the run with the seed 5"));
+    directory.write("other.json", &run(&["--cores", "1"]).stdout);
+    let other = merge("1.json other.json");
+    assert_eq!(status(&other), 2);
+    assert!(stderr(&other).contains("different clocks, platforms"), "{}", stderr(&other));
+    assert_eq!(status(&merge("late.scn")), 2);
+}
+
+#[test]
+fn a_width_chooses_the_number_of_runs() {
+    let options = ["--simulate", "all", "--until", "50ms", "--format", "json", "--width", "0.1"];
+    let report = json_of(&pump(&options));
+    assert_eq!(report["runs"], 738);
+    for (options, words) in [
+        (&["--width", "0"][..], "give a number from 0.001 to 1"),
+        (&["--width", "0.1", "--runs", "3"], "cannot be used with"),
+        (&["--runs", "2", "--shard", "3/3"], "at least as many as parts"),
+        (&["--shard", "0/3"], "for example 3/8"),
+    ] {
+        let output = pump(options);
+        assert_eq!(status(&output), 2);
+        assert!(stderr(&output).contains(words), "{}", stderr(&output));
+    }
+}

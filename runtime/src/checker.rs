@@ -8,7 +8,7 @@ use crate::engine::End;
 use crate::watch::CodelViolation;
 
 /// The result of a run for a check. A run never proves that a check holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// The run shows nothing about the check: [`Idle`] says why.

@@ -3,11 +3,11 @@
 use dotgen_timing::report::Value;
 use dotgen_timing::system::{TaskId, Ticks, TimedSystem, Yield};
 use dotgen_timing::verify::Prepared;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use crate::tally::{Tally, Times};
+use crate::tally::Tally;
 
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct TaskCounts {
     /// `component.task`
@@ -17,6 +17,8 @@ pub struct TaskCounts {
     /// Greatest response time, including that of a job that has not ended, in the unit of the report.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub greatest: Option<Value>,
+    /// Sum of the response times of the jobs that have ended.
+    pub total: Value,
     /// Mean response time of the jobs that have ended.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean: Option<Value>,
@@ -34,7 +36,7 @@ pub struct TaskCounts {
 }
 
 /// The counts of an output port.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct PortCounts {
     /// `component/port`
@@ -48,7 +50,7 @@ pub struct PortCounts {
 }
 
 /// The counts of a state machine.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct MachineCounts {
     /// `component.owner`
@@ -57,7 +59,7 @@ pub struct MachineCounts {
 }
 
 /// The counts of a transition.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct Transition {
     /// State.
@@ -97,22 +99,24 @@ pub(crate) fn tasks(
 ) -> Vec<TaskCounts> {
     let system = &prepared.built.system;
     let value = |ticks: Ticks| Value::Time(prepared.time(u64::from(ticks)));
-    let mean = |times: &Times| {
-        let all = prepared.time(times.total);
-        (times.count > 0).then(|| Value::Time(all / times.count as f64))
-    };
     let tasks = system.tasks.iter().zip(&tally.tasks).enumerate();
     let tasks = tasks.map(|(task, (entry, counted))| TaskCounts {
         task: system.task_path(TaskId::from(task)),
         jobs: counted.jobs.count,
         greatest: counted.greatest.map(value),
-        mean: mean(&counted.jobs),
+        total: Value::Time(prepared.time(counted.jobs.total)),
+        mean: mean(prepared.time(counted.jobs.total), counted.jobs.count),
         bound: bounds.get(task).copied().flatten().map(value),
         period: entry.period.map(value),
         missed: counted.missed,
         load: has_times(system, task).then(|| counted.executed as f64 / time.max(1) as f64),
     });
     tasks.collect()
+}
+
+/// Returns the mean of times with this sum.
+pub(crate) fn mean(total: f64, count: u64) -> Option<Value> {
+    (count > 0).then(|| Value::Time(total / count as f64))
 }
 
 /// Returns the counts of state machines, with their transitions.

@@ -24,7 +24,7 @@ pub trait Decide {
 }
 
 /// The choice of execution times.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Durations {
     /// Always the greatest time.

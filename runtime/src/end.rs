@@ -9,7 +9,7 @@ pub(crate) const STOP_WITHIN: Duration = Duration::from_secs(2);
 pub(crate) const HOST_WITHIN: Duration = Duration::from_secs(2);
 
 /// The reason for the end of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum End {
     /// The run has reached its requested duration.

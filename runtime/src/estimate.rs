@@ -1,6 +1,6 @@
 //! Probabilities from counts of independent runs.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The confidence of the intervals in reports.
 pub const CONFIDENCE: f64 = 0.95;
@@ -10,7 +10,7 @@ const HALVINGS: u32 = 60;
 
 /// An interval that contains a probability, whatever it is, in a share of all samples that is at least the
 /// confidence.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     pub low: f64,
     pub high: f64,
@@ -30,6 +30,14 @@ impl Estimate {
             confidence,
         }
     }
+}
+
+/// Returns the number of runs of which the share differs from the probability by at most half of a width, with
+/// the confidence of reports, whatever the probability is (W. Hoeffding, *Probability inequalities for sums of
+/// bounded random variables*, Journal of the American Statistical Association 58, 1963). `width` is above 0 and
+/// at most 1.
+pub fn runs_for(width: f64) -> u64 {
+    (2.0 * (2.0 / (1.0 - CONFIDENCE)).ln() / (width * width)).ceil() as u64
 }
 
 /// Returns the greatest number from 0 to 1 below which a condition holds.
@@ -97,6 +105,16 @@ mod tests {
                 }
             }
             assert!(covered >= 0.95 - 1e-9, "{p}: {covered}");
+        }
+    }
+
+    #[test]
+    fn the_runs_for_a_width_suffice() {
+        assert_eq!(runs_for(0.1), 738);
+        let runs = runs_for(0.1);
+        for count in [0, runs / 4, runs / 2, runs] {
+            let Estimate { low, high, .. } = Estimate::of(count, runs, CONFIDENCE);
+            assert!(high - low <= 0.1, "{count}: {low} {high}");
         }
     }
 

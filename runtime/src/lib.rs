@@ -3,7 +3,7 @@
 //! A run follows the verified rules step by step ([`dotgen_timing::explore::Stepper`]): only the stepper
 //! knows the possible actions. This crate chooses an action ([`decide`]), performs it ([`engine`]), counts it
 //! ([`tally`]) and compares the run with the checks of the scenario and with proved bounds ([`checker`]).
-//! [`simulation`] combines these modules. [`watch`] is the interface for observers of every step, and
+//! [`simulation`] combines these modules; [`parts`] divides many runs among processors. [`watch`] is the interface for observers of every step, and
 //! [`progress`] reports the state of a run under way.
 //!
 //! If components have codels, [`live`] has them executed by [`hosts`], which this crate knows only as a
@@ -20,7 +20,9 @@ pub mod estimate;
 pub mod hosts;
 pub mod live;
 mod measures;
+mod merge;
 pub mod model_time;
+pub mod parts;
 pub mod port_writes;
 pub mod profile;
 pub mod progress;

@@ -5,7 +5,7 @@ use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::{TimeUnit, Value};
 use dotgen_timing::system::{ClientId, CodelId, TaskId, Ticks};
 use dotgen_timing::verify::Prepared;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::checker::{Idle, Moment, RunChecker, Verdict, Violation};
 use crate::counts::{MachineCounts, PortCounts, TaskCounts, machines, tasks};
@@ -21,7 +21,7 @@ use crate::watch::CodelViolation;
 pub const FORMAT: u32 = 1;
 
 /// The report of a run. All times are in the unit of the report.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct RunReport {
     /// Version of the JSON form.
@@ -42,8 +42,10 @@ pub struct RunReport {
     /// End of the last run.
     pub end: End,
     /// Codels that were still executed when a run had to end, or else components that had not ended.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unfinished: Vec<String>,
+    /// Neither a violation nor the user could end the runs early, so that counts of runs are a sample.
+    pub is_sample: bool,
     /// What the run says of its checks together.
     pub verdict: Verdict,
     /// Tasks, in order of declaration.
@@ -70,7 +72,7 @@ pub struct RunReport {
     pub notes: Vec<String>,
 }
 
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct ServiceCounts {
     /// `component.service`
@@ -82,11 +84,11 @@ pub struct ServiceCounts {
     /// Activities that have ended.
     pub ended: u64,
     /// False for an attribute or a function, which has no end of its own.
-    #[serde(skip)]
+    #[serde(skip_serializing, default)]
     pub is_activity: bool,
 }
 
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct CodelCounts {
     /// `component.owner.state`
@@ -100,7 +102,7 @@ pub struct CodelCounts {
 }
 
 /// The result of a check.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct CheckOutcome {
     /// Name, if it has one.
@@ -121,13 +123,15 @@ pub struct CheckOutcome {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit: Option<Value>,
     /// True if the greatest time is above the limit. Beyond a period, nothing is violated.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub exceeded: bool,
     /// First moment at which the verdict was known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at: Option<RunMoment>,
     /// Number of violations.
     pub violations: u64,
+    /// Number of runs that violated it, or showed the expected event.
+    pub in_runs: u64,
     /// Of several runs with random choices that exercised the check: the probability that a run violates it,
     /// or shows the expected event. It is about the choices as they are drawn. `None` if a violation, or the
     /// user, could end the runs early.
@@ -135,7 +139,7 @@ pub struct CheckOutcome {
     pub probability: Option<Estimate>,
 }
 
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct RunMoment {
     /// Number of the run, from 1.
@@ -146,7 +150,7 @@ pub struct RunMoment {
     pub time: Value,
 }
 
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct ViolationReport {
     /// First moment.
@@ -159,7 +163,7 @@ pub struct ViolationReport {
 }
 
 /// The kind and details of a violation.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Violated {
     /// A violated check.
@@ -257,7 +261,7 @@ impl RunReport {
             let path = system.service_path(service);
             format!("a request of {path} was refused because all its slots were in use")
         }));
-        RunReport {
+        let mut report = RunReport {
             format: FORMAT,
             scenario: prepared.report.scenario.clone(),
             semantics: prepared.report.semantics.clone(),
@@ -282,6 +286,21 @@ impl RunReport {
             violation_count: outcome.judge.count,
             assumptions: prepared.report.assumptions.clone(),
             notes,
+            // If what is counted decides when to stop, or a run was cut off, the count is no sample.
+            is_sample: outcome.runs == plan.runs
+                && !plan.stop_at_violation
+                && outcome.end != End::Interrupted,
+        };
+        report.estimate();
+        report
+    }
+
+    /// Estimates the probabilities of the checks that were exercised, from the counts of several runs.
+    pub(crate) fn estimate(&mut self) {
+        let (runs, is_sample) = (self.runs, self.is_sample && self.runs > 1);
+        for check in &mut self.checks {
+            check.probability = (is_sample && check.verdict != Verdict::NotExercised)
+                .then(|| Estimate::of(check.in_runs, runs, CONFIDENCE));
         }
     }
 
@@ -316,7 +335,7 @@ impl RunReport {
 }
 
 /// Returns what the exercised checks of a run say together.
-fn together(violations: u64, checks: &[CheckOutcome]) -> Verdict {
+pub(crate) fn together(violations: u64, checks: &[CheckOutcome]) -> Verdict {
     let has = |verdict: Verdict| checks.iter().any(|check| check.verdict == verdict);
     if violations > 0 {
         Verdict::Violated
@@ -353,11 +372,6 @@ impl ReportBuilder<'_> {
     }
 
     fn checks(&self, outcome: &SimulationResult, simulated: bool) -> Vec<CheckOutcome> {
-        // If what is counted decides when to stop, or a run was cut off, the count is no sample.
-        let is_sample = outcome.runs > 1
-            && outcome.runs == self.plan.runs
-            && !self.plan.stop_at_violation
-            && outcome.end != End::Interrupted;
         let checks = self.prepared.checks.iter().zip(&outcome.judge.answers);
         let checks = checks.enumerate().map(|(number, (asked, answer))| {
             let greatest = answer.greatest.map(|number| self.value(number));
@@ -376,8 +390,8 @@ impl ReportBuilder<'_> {
                 exceeded: (limit.zip(greatest)).is_some_and(|pair| pair.0.is_exceeded_by(pair.1)),
                 at: answer.at.map(|moment| self.at(moment)),
                 violations: answer.violations,
-                probability: (is_sample && answer.verdict != Verdict::NotExercised)
-                    .then(|| Estimate::of(answer.in_runs, outcome.runs, CONFIDENCE)),
+                in_runs: answer.in_runs,
+                probability: None,
             }
         });
         checks.collect()

@@ -9,8 +9,9 @@ use crate::system::indexed::DeclaredTask;
 use std::sync::Arc;
 
 use dotgen_analysis::model::Src;
-use serde::Serialize;
+use serde::de::{Deserializer, Error as _};
 use serde::ser::Serializer;
+use serde::{Deserialize, Serialize};
 
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::explore::Findings;
@@ -342,6 +343,22 @@ impl Serialize for Value {
         match *self {
             Value::Time(time) => serialize_time(&time, to),
             Value::Unbounded => to.serialize_str("unbounded"),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Value {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Value, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Written {
+            Time(f64),
+            Word(String),
+        }
+        match Written::deserialize(from)? {
+            Written::Time(time) => Ok(Value::Time(time)),
+            Written::Word(word) if word == "unbounded" => Ok(Value::Unbounded),
+            Written::Word(word) => Err(D::Error::custom(format!("`{word}` is no time"))),
         }
     }
 }

@@ -6,6 +6,7 @@ use camino::Utf8PathBuf;
 use dotgen_analysis::model::PortDir;
 use dotgen_recording::log::origins;
 use dotgen_runtime::checker::RunChecker;
+use dotgen_runtime::parts::simulate_in_parts;
 use dotgen_runtime::port_writes::Port;
 use dotgen_runtime::profile::{Profile, functions};
 use dotgen_runtime::report::{RunReport, Violated, violation};
@@ -148,8 +149,13 @@ impl Context<'_, '_> {
         let interrupted = || self.interrupt.is_raised();
         let bounds = self.bounds.clone();
         let mut recording = self.recording(files.recording.take(), prepared, false)?;
-        let mut outcome = progress::during(None, &self.doing(), |_| {
-            simulate_recorded(
+        // Files are written in the order of the runs, and a violation may end them.
+        let in_parts = profile.is_none() && recording.is_none() && !plan.stop_at_violation;
+        let mut parts = progress::during(None, &self.doing(), |_| {
+            if in_parts {
+                return simulate_in_parts(prepared, &bounds, &plan, &interrupted);
+            }
+            let result = simulate_recorded(
                 prepared,
                 bounds,
                 &plan,
@@ -157,17 +163,21 @@ impl Context<'_, '_> {
                 recording.as_mut().map(|recording| recording as &mut dyn Record),
                 None,
                 &interrupted,
-            )
+            );
+            vec![(plan, result)]
         });
         let (bounds, note) = self.final_bounds(prepared);
-        outcome.judge.bound_late(&bounds);
-        let mut report = RunReport::new(prepared, &plan, &outcome, &bounds, &|_| false);
+        let reports = parts.iter_mut().map(|(plan, result)| {
+            result.judge.bound_late(&bounds);
+            RunReport::new(prepared, plan, result, &bounds, &|_| false)
+        });
+        let mut report = RunReport::merge(reports.collect()).map_err(anyhow::Error::msg)?;
         report.notes.extend(note);
         Ok(Run {
             lines: lines(profile),
             messages: messages(recording),
             executed: (0, system.codels.len()),
-            told: self.told(prepared, &outcome),
+            told: parts.first().and_then(|(_, first)| self.told(prepared, first)),
             report,
         })
     }

@@ -1,16 +1,18 @@
 //! The run of one scenario, and its files.
 
 use camino::Utf8PathBuf;
+use dotgen_runtime::report::RunReport;
 use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::verify::{Interrupt, Options, SystemInput, prepare};
+use dotgen_timing::verify::{Interrupt, Options, SystemInput, prepare, settings};
 use dotgen_views::verification::Problem;
 use dotgen_views::verification::runs::Ending;
+use dotgen_views::verification::summary;
 
 use super::recorder::{Files, Recorder};
 use super::{Answer, Arguments, Clock, Contents, Format, Simulate, WrittenFile, bounds, execute};
 use crate::outputs::PERFETTO;
-use crate::session::{ErrorReporter, Session};
+use crate::session::{self, ErrorReporter, Session};
 use crate::verify::diagnostics::ScenarioDiagnostics;
 use crate::verify::parsed;
 use crate::{Outcome, report, trace};
@@ -77,20 +79,23 @@ pub(super) fn one(
         }));
     };
     run.report.notes.extend(untimed);
-    let written = paths.finish(&mut run, files, trouble);
-    let mut answer = Answer {
+    let mut written = paths.finish(&mut run, files, trouble);
+    if let (Some(path), Some(events)) = (paths.viewer, run.told) {
+        let recorded = recorded(&run.report, &events);
+        let steps = trouble.ok_or_report(trace::write(path, recorded, &problem, &options));
+        let steps = steps.and_then(|step| u64::try_from(step).ok());
+        written.extend(steps.map(|step| (path.clone(), step, Contents::Steps)));
+    }
+    let (executed_codels, simulated_codels) = run.executed;
+    let answer = Answer {
+        file: session::display(&problem.path),
         clock: arguments.clock,
-        executed: run.executed,
-        options,
+        platform: summary::platform(&settings(&problem.scenario, &options)),
+        executed_codels,
+        simulated_codels,
         report: run.report,
         written,
-        problem,
     };
-    if let (Some(path), Some(run)) = (paths.viewer, run.told) {
-        let steps = trouble.ok_or_report(answer.write_trace(path, &run, arguments.seed));
-        let steps = steps.and_then(|step| u64::try_from(step).ok());
-        (answer.written).extend(steps.map(|step| (path.clone(), step, Contents::Steps)));
-    }
     Ok(Ended::Answered(Box::new(answer)))
 }
 
@@ -159,26 +164,18 @@ impl<'a> Paths<'a> {
     }
 }
 
-impl Answer {
-    /// Writes the first run for the trace viewer. Returns the number of its steps.
-    fn write_trace(
-        &self,
-        path: &Utf8PathBuf,
-        run: &execute::RunEvents,
-        seed: u64,
-    ) -> anyhow::Result<usize> {
-        let recorded = trace::RecordedRun {
-            title: format!("a run of {}, seed {seed}", self.report.scenario),
-            unit: self.report.unit,
-            events: &run.events,
-            ending: Ending::Fine,
-            cycle: None,
-            notes: if run.left_out {
-                vec!["the run goes on, but not here: it is too long".to_owned()]
-            } else {
-                Vec::new()
-            },
-        };
-        trace::write(path, recorded, &self.problem, &self.options)
+/// Returns the first run, for the trace viewer.
+fn recorded<'e>(report: &RunReport, run: &'e execute::RunEvents) -> trace::RecordedRun<'e> {
+    trace::RecordedRun {
+        title: format!("a run of {}, seed {}", report.scenario, report.seed),
+        unit: report.unit,
+        events: &run.events,
+        ending: Ending::Fine,
+        cycle: None,
+        notes: if run.left_out {
+            vec!["the run goes on, but not here: it is too long".to_owned()]
+        } else {
+            Vec::new()
+        },
     }
 }

@@ -9,13 +9,10 @@ use dotgen_runtime::engine::End;
 use dotgen_runtime::report::{CheckOutcome, RunMoment, RunReport, Violated};
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::{CheckReport, TimeUnit, Value};
-use dotgen_timing::verify::settings;
 
 use super::{Answer, Contents};
-use crate::session;
 use crate::verify::text::ground;
 use crate::width::{Table, heading, wrapped};
-use dotgen_views::verification::summary;
 
 const TITLE: Style = Style::new().bold();
 const FAINT: Style = Style::new().dimmed();
@@ -38,13 +35,12 @@ pub(super) fn print(answers: &[Answer]) -> anyhow::Result<()> {
 }
 
 fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
-    let settings = settings(&answer.problem.scenario, &answer.options);
-    let unit = TimeUnit::of(&settings);
     let report = &answer.report;
-    let simulated = answer.executed.0 == 0;
-    let platform = summary::platform(&settings);
-    let platform = if simulated { format!("simulated, {platform}") } else { platform };
-    let rest = heading(&report.scenario, &platform, &session::display(&answer.problem.path));
+    let unit = report.unit;
+    let simulated = answer.executed_codels == 0;
+    let platform = &answer.platform;
+    let platform = if simulated { format!("simulated, {platform}") } else { platform.clone() };
+    let rest = heading(&report.scenario, &platform, &answer.file);
     writeln!(out, "{TITLE}{}{TITLE:#}: {rest}", report.scenario)?;
     let runs = match report.runs {
         1 => "1 run".to_owned(),
@@ -106,7 +102,7 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
 
 /// Returns the number of executed codels, if there are any.
 fn executed(answer: &Answer) -> String {
-    match answer.executed {
+    match (answer.executed_codels, answer.simulated_codels) {
         (0, _) => String::new(),
         (real, 0) => format!("{real} codels executed, "),
         (real, simulated) => format!("{real} codels executed, {simulated} simulated, "),
@@ -174,7 +170,7 @@ fn services(out: &mut impl Write, report: &RunReport) -> std::io::Result<()> {
             row.service.clone(),
             row.requests.to_string(),
             row.refused.to_string(),
-            if row.is_activity { row.ended.to_string() } else { String::new() },
+            if row.is_activity || row.ended > 0 { row.ended.to_string() } else { String::new() },
         ]
     });
     let rows: Vec<_> = rows.collect();
@@ -280,7 +276,7 @@ fn violations(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::
     for violation in &report.violations {
         let at = moment(&violation.at, report, unit);
         let what = match &violation.what {
-            Violated::Check { check } => title(&report.checks[*check]),
+            Violated::Check { check } => report.checks.get(*check).map_or_else(String::new, title),
             other => violated(other, unit),
         };
         let more = times(violation.times);

@@ -1,9 +1,9 @@
 //! The kinds of properties that can be checked.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The kind of property that a check is about (section 10 of the timed semantics).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PropertyKind {
     /// No tick comes before the job of the previous one has ended.

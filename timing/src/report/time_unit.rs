@@ -2,8 +2,9 @@
 
 use dotgen_analysis::model::Seconds;
 use dotgen_analysis::quantity;
-use serde::Serialize;
+use serde::de::{Deserializer, Error as _};
 use serde::ser::Serializer;
+use serde::{Deserialize, Serialize};
 
 use super::Value;
 use crate::scn::ast::Unit;
@@ -80,6 +81,19 @@ impl Serialize for TimeUnit {
     }
 }
 
+impl<'de> Deserialize<'de> for TimeUnit {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<TimeUnit, D::Error> {
+        let text = String::deserialize(from)?;
+        let (count, base) = text.split_once(' ').unwrap_or(("1", &text));
+        let base = [Unit::Seconds, Unit::Milliseconds, Unit::Microseconds]
+            .into_iter()
+            .find(|unit| unit.name() == base);
+        let unit = base.zip(count.parse().ok().filter(|&count| count > 0));
+        let unit = unit.map(|(base, count)| TimeUnit { count, base });
+        unit.ok_or_else(|| D::Error::custom(format!("`{text}` is no unit of time")))
+    }
+}
+
 /// Returns an exact time as the nearest float.
 pub(crate) fn to_f64(time: Seconds) -> f64 {
     *time.numer() as f64 / *time.denom() as f64
@@ -95,6 +109,8 @@ mod tests {
         assert_eq!(unit.to_string(), "ms");
         let unit = TimeUnit { count: 10, base: Unit::Microseconds };
         assert_eq!(serde_json::to_string(&unit).ok().as_deref(), Some("\"10 us\""));
+        assert_eq!(serde_json::from_str::<TimeUnit>("\"10 us\"").ok(), Some(unit));
+        assert!(serde_json::from_str::<TimeUnit>("\"0 us\"").is_err());
         assert_eq!(unit.in_base(150.0, Unit::Milliseconds), 1.5);
         assert_eq!(unit.show(5.0), "50 µs");
     }
