@@ -24,6 +24,7 @@ mod task;
 mod timer;
 
 use dotgen_analysis::model::Src;
+use dotgen_timing::system::unfolded;
 use dotgen_timing::verify::Prepared;
 
 use crate::model::Network;
@@ -41,6 +42,15 @@ pub type Place<'p> = dyn Fn(usize, Src) -> Option<String> + 'p;
 ///
 /// Everything that the network cannot contain.
 pub fn translate(prepared: &Prepared, place: &Place) -> Result<Network, Vec<Refusal>> {
+    let mut prepared = prepared.clone();
+    for machine in &mut prepared.built.system.machines {
+        if machine.loop_limit.is_some()
+            && let Some(unfolded) = unfolded(machine)
+        {
+            *machine = unfolded;
+        }
+    }
+    let prepared = &prepared;
     let refusals = refusals::of_system(prepared);
     if !refusals.is_empty() {
         return Err(refusals);

@@ -57,3 +57,56 @@ fn patterns_and_sequences() {
     assert_eq!(counts.refused, 0, "{counts:?}");
     assert!(counts.equal > 50, "{counts:?}");
 }
+
+/// Loops within a turn.
+const LOOPS: &str = "
+component c {
+ version \"1\"; email \"a@b\"; lang \"c\";
+ ids { long f0; };
+ task t0 { period 12 ms; codel<start> a(inout f0) yield x, y wcet 1 ms;
+   codel<x> b(inout f0) yield y, x, pause::x wcet 1 ms;
+   codel<y> d() yield x, pause::start wcet 1 ms; };
+ activity s0() { task t0; codel<start> h(in f0) yield start, ether wcet 1 ms; };
+};
+";
+
+/// A task whose turns never end, where the limit counts rounds.
+const ROUNDS: &str = "
+component c {
+ version \"1\"; email \"a@b\"; lang \"c\";
+ ids { long f0; };
+ task t0 { period 12 ms; codel<start> a(inout f0) yield x wcet 1 ms;
+   codel<x> b(inout f0) yield pause::x wcet 1 ms; };
+ task t1 { codel<start> e(in f0) yield y wcet 1 ms;
+   codel<y> f() yield y, z wcet 2 ms;
+   codel<z> g(out f0) yield y wcet 1 ms; };
+};
+";
+
+#[test]
+fn loops_with_limits() {
+    let in_turns =
+        "client k { delay 10 ms; send c.s0; } check schedulable c.t0; check response c.t0;
+        check never c.s0.start.exec and c.t0.x.exec;";
+    let in_rounds = "check never c.t1.start.exec and c.t0.x.exec; check reachable c.t1.z.exec;";
+    for (text, limits, checks) in [
+        (LOOPS, "loop once c.t0; loop once c.s0;", in_turns),
+        (LOOPS, "loop 2 c.t0; loop 3 c.s0;", in_turns),
+        (ROUNDS, "loop once c.t1;", in_rounds),
+        (ROUNDS, "loop 2 c.t1;", in_rounds),
+    ] {
+        let scenario = format!(
+            "scenario s {{ semantics servers; unit 1 ms; durations fixed; {limits} {checks}
+             check lasts c.t0.x.exec <= 1 ms; check deadlock; }}"
+        );
+        let system = System::of_texts(&[text.to_owned()], &scenario);
+        let system = system.expect("the specification has no error");
+        let prepared = system.prepared(&Options::default());
+        let errors: Vec<_> = prepared.report.diagnostics.iter().map(|d| &d.message).collect();
+        assert!(!prepared.report.has_errors(), "{errors:?}");
+        let mut counts = Counts::default();
+        compare_system(&system, limits, 20_000, &mut counts);
+        eprintln!("{counts:?}");
+        assert!(counts.equal > 2 && counts.refused == 0, "{limits}: {counts:?}");
+    }
+}

@@ -27,7 +27,7 @@ use crate::scn::semantics::Semantics;
 
 pub use ids::{AutomatonId, ClientId, CodelId, ComponentId, MachineId, ServiceId, TaskId};
 pub use locks::{SharedPorts, sources};
-pub use loops::{loop_contradictions, pauseless_cycles};
+pub use loops::{loop_contradictions, pauseless_cycles, unfolded};
 pub use name::{CodelName, ThreadName};
 
 /// A number of base units.

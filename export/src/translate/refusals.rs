@@ -54,15 +54,9 @@ pub(super) fn of_system(prepared: &Prepared) -> Vec<Refusal> {
             out.push(Refusal::new("async free", Some(machine.name.clone())));
         }
     }
-    for automaton in &system.automata {
-        let machine = &system.machines[automaton.machine];
-        if machine.loop_limit.is_some() {
-            let refusal = Refusal::new("loop", Some(machine.name.clone()));
-            if !out.contains(&refusal) {
-                out.push(refusal);
-            }
-        }
-    }
+    // Others are unfolded.
+    let limited = system.machines.iter().filter(|machine| machine.loop_limit.is_some());
+    out.extend(limited.map(|machine| Refusal::new("loop", Some(machine.name.clone()))));
     for client in &system.clients {
         let mut refuse = |construct: &str| {
             let refusal = Refusal::new(construct, Some(client.name.clone()));

@@ -287,7 +287,7 @@ impl<'w> Writer<'w> {
         for kind in self.kinds() {
             let of_kind = all([runs.clone(), part.kind(at.clone()).is(kind.number)]);
             let states = self.layout.machine(kind).map_or(&[][..], |machine| &machine.states);
-            for (index, state) in states.iter().enumerate() {
+            for (index, state) in entered(states) {
                 let comment = format!("{} is in {}", kind.name, state.name);
                 let edge = edge("ticket", &comment);
                 let edge = edge.when(all([of_kind.clone(), part.state(at.clone()).is(index)]));
@@ -315,7 +315,7 @@ impl<'w> Writer<'w> {
         let Some(machine) = self.layout.machine(kind) else {
             return;
         };
-        for (index, state) in machine.states.iter().enumerate() {
+        for (index, state) in entered(&machine.states) {
             let location = format!("executes_{}_{}", kind.name, state.name);
             let codel = &self.layout.system.codels[state.codel];
             let upper = (codel.upper != FOREVER).then_some(i64::from(codel.upper));
@@ -326,6 +326,11 @@ impl<'w> Writer<'w> {
             let begin = Edge::new("queued", &location, format!("begins {}", codel.path));
             let wants = wanted(&self.task.name);
             let mut begin = begin.when(wants.is(number(state.codel)));
+            if entered(&machine.states).filter(|(_, other)| other.codel == state.codel).count() > 1
+            {
+                // A loop with a limit is unfolded.
+                begin = begin.when(self.part.state(self.at()).is(index));
+            }
             if self.part.queue {
                 let first = self.part.lock_queue(0_usize).is(self.task.executor());
                 let free =
@@ -458,4 +463,9 @@ impl<'w> Writer<'w> {
         }
         Some((guard, updates))
     }
+}
+
+/// Returns the states of a machine that can be entered, with their indices.
+fn entered(states: &[State]) -> impl Iterator<Item = (usize, &State)> {
+    states.iter().enumerate().filter(|(_, state)| !state.yields.is_empty())
 }

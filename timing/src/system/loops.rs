@@ -6,7 +6,7 @@
 
 use rustc_hash::FxHashSet;
 
-use super::{Machine, Yield};
+use super::{Machine, State, Yield};
 
 /// Returns cycles of states without a pause, one per strongly connected set of states. Each begins and ends
 /// with the same state. Such a cycle lets a job take arbitrarily long.
@@ -141,6 +141,51 @@ fn stuck_states(machine: &Machine, limit: u16) -> (Vec<usize>, bool) {
     }
     found.sort_unstable();
     (found, all)
+}
+
+/// Upper limit on the states of an unfolded machine.
+const UNFOLDED: usize = 200;
+
+/// Returns a machine without a loop limit that has the same runs: a state for each state of a machine and each
+/// number of visits with which a turn can be there. The states of the machine come first, at the beginning of
+/// a turn; those without yields are never entered. `None`: there are too many states.
+pub fn unfolded(machine: &Machine) -> Option<Machine> {
+    let limit = machine.loop_limit;
+    let begin = |state: usize| beginning(machine, limit, state);
+    let mut vertices: Vec<Visited> = (0..machine.states.len()).map(begin).collect();
+    let mut out = Machine { loop_limit: None, rounds: false, ..machine.clone() };
+    out.states.iter_mut().for_each(|state| state.yields.clear());
+    let mut todo: Vec<usize> = [Some(machine.start), machine.stop].into_iter().flatten().collect();
+    while let Some(at) = todo.pop() {
+        if !out.states[at].yields.is_empty() {
+            continue;
+        }
+        let (state, _) = vertices[at];
+        let own = &machine.states[state].yields;
+        let mut yields: Vec<Yield> =
+            own.iter().copied().filter(|next| !matches!(next, Yield::Next(_))).collect();
+        for next in followers(machine, &vertices[at]) {
+            let known = vertices.iter().position(|vertex| *vertex == next);
+            let number = known.unwrap_or_else(|| {
+                let again = vertices.iter().filter(|vertex| vertex.0 == next.0).count() + 1;
+                let mut copy = State { yields: Vec::new(), ..machine.states[next.0].clone() };
+                copy.name = format!("{}_{again}", copy.name);
+                out.states.push(copy);
+                vertices.push(next);
+                vertices.len() - 1
+            });
+            yields.push(Yield::Next(number));
+        }
+        if vertices.len() > UNFOLDED {
+            return None;
+        }
+        todo.extend(yields.iter().filter_map(|next| match *next {
+            Yield::Next(next) | Yield::Pause(next) => Some(next),
+            Yield::End => None,
+        }));
+        out.states[at].yields = yields;
+    }
+    Some(out)
 }
 
 /// A state of a machine, and how often the turn has entered each state; empty without a limit.
