@@ -138,8 +138,14 @@ impl Group<'_> {
             return;
         }
         watch.response.clear();
-        let Walked { missed, .. } = walk(&self.built.system, &watch, ACTIONS, self.cancel);
-        let found = Findings { missed, stopped: Some(Stop::States), ..Findings::default() };
+        let walked = walk(&self.built.system, &watch, ACTIONS, self.cancel);
+        let found = Findings {
+            missed: walked.missed,
+            states: walked.actions as usize,
+            stopped: Some(Stop::States),
+            ..Findings::default()
+        };
+        report.effort(&found);
         let before = report.answered();
         for (i, place) in places {
             let entry = self.one(&checks[i], place, &found);

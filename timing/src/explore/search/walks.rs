@@ -48,6 +48,8 @@ pub struct Walked {
     pub response: Vec<Option<Measured>>,
     /// Runs to missed deadlines, in the order of the watch.
     pub missed: Vec<Option<Found>>,
+    /// Number of actions, each of which leads to a state.
+    pub actions: u64,
 }
 
 /// Looks for the response times and the missed deadlines of a watch, with a limit on the number of actions.
@@ -78,10 +80,12 @@ pub fn walk(system: &TimedSystem, watch: &Watch, actions: u64, cancel: &Cancel) 
         let aim = Aim { gauge: number, deadline, task: response.task.into(), most: response.most };
         walks.look_for(aim, (actions / count as u64).min(ACTIONS_OF_RESPONSE));
     }
+    let actions = walks.actions;
     let response = walks.best.into_iter().take(count - deadlines);
     Walked {
         response: response.map(|best| best.map(measured)).collect(),
         missed: walks.missed.into_iter().map(|run| Some(Found { run: run? })).collect(),
+        actions,
     }
 }
 
