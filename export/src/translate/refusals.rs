@@ -83,7 +83,7 @@ pub(super) fn of_system(prepared: &Prepared) -> Vec<Refusal> {
             }
         }
     }
-    out.extend(prepared.report.notes.iter().map(|note| Refusal::new(note, None)));
+    out.extend(prepared.chains.iter().map(|chain| Refusal::new(chain, None)));
     out
 }
 

@@ -23,6 +23,8 @@ pub struct Prepared {
     pub built: Built,
     /// Checks, in order of the scenario; `*` gives one per task.
     pub checks: Vec<PreparedCheck>,
+    /// Checks of chains, which are about data and have no question: `reaction A -> B`.
+    pub chains: Vec<String>,
     /// The report before any answer: names, assumptions, diagnostics. If one of the diagnostics is an error,
     /// the system must not be run.
     pub report: Report,
@@ -86,27 +88,25 @@ pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> P
         Some(PreparedCheck { report: group.open(expand), question: group.question(expand)? })
     });
     let checks = checks.collect();
+    let chains = singles.iter().filter(|check| matches!(check.what, What::Chain(_)));
+    let shown = |report: CheckReport| format!("{} {}", report.kind, report.of);
+    let chains: Vec<String> = chains.map(|check| shown(group.open(check))).collect();
     let report = Report {
         scenario: settings.name.clone(),
         semantics: settings.semantics().text(),
         unit,
         assumptions: built.assumptions.clone(),
-        notes: not_followed(&group, &singles).into_iter().collect(),
+        notes: not_followed(&chains).into_iter().collect(),
         diagnostics,
         ..Report::default()
     };
-    Prepared { built, checks, report }
+    Prepared { built, checks, chains, report }
 }
 
 /// Returns the note about checks of chains, which cannot be checked along a run.
-fn not_followed(group: &Group, checks: &[Single]) -> Option<String> {
-    let chains = checks.iter().filter(|check| matches!(check.what, What::Chain(_)));
-    let shown = |single: &Single| {
-        let report = group.open(single);
-        format!("`{} {}`", report.kind, report.of)
-    };
-    let chains: Vec<String> = chains.map(shown).collect();
-    let list = chains.join(", ");
+fn not_followed(chains: &[String]) -> Option<String> {
+    let list: Vec<String> = chains.iter().map(|chain| format!("`{chain}`")).collect();
+    let list = list.join(", ");
     (!chains.is_empty()).then(|| {
         format!("not checked along runs: {list}; runs follow no data, `dotgen verify` answers these checks")
     })
