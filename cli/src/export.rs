@@ -19,7 +19,7 @@ use super::{Outcome, SpecificationOptions, report, session};
 /// Words of the first lines of each file that the command writes.
 const MARK: &str = "written by dotgen export";
 
-/// Write the formal model of a scenario for UPPAAL or TChecker
+/// Write the formal model of a scenario for UPPAAL, TChecker or TINA
 ///
 /// The model has cores, policy, clients, durations and checks of the scenario. What the format cannot say is
 /// an error that names it; nothing is left out.
@@ -60,6 +60,8 @@ enum Tool {
     Uppaal,
     /// Network of TChecker (.tck), a label for each query
     Tchecker,
+    /// Fiacre program of TINA (.fcr), a property for each check
+    Fiacre,
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
@@ -89,6 +91,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let format = match arguments.tool {
         Tool::Uppaal => Format::Uppaal,
         Tool::Tchecker => Format::TChecker,
+        Tool::Fiacre => Format::Fiacre,
     };
     let files = match export(&prepared, &place, format) {
         Ok(files) => files,

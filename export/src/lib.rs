@@ -1,10 +1,11 @@
-//! Formal models of GenoM3 systems for the tools of others: UPPAAL and TChecker.
+//! Formal models of GenoM3 systems for the tools of others: UPPAAL, TChecker and TINA.
 //!
 //! Data flows one way: the timed system that the verifier explores, with the questions of its checks,
 //! becomes a [`model::Network`] of timed automata ([`translate()`]). A printer writes the network in the
 //! language of a tool. A model has the verdicts of the verifier's exact exploration; what is not translated
 //! exactly is [refused](Refusal), with its place.
 
+mod fiacre;
 pub mod model;
 mod tchecker;
 pub mod translate;
@@ -21,6 +22,8 @@ pub enum Format {
     Uppaal,
     /// TChecker 0.8 or later: a network (`.tck`), whose labels are the queries.
     TChecker,
+    /// `frac` of TINA: a Fiacre program (`.fcr`) with a property for each query.
+    Fiacre,
 }
 
 /// A file to write.
@@ -50,5 +53,6 @@ pub fn export(
     Ok(match format {
         Format::Uppaal => uppaal::print(&network),
         Format::TChecker => vec![tchecker::print(&network)],
+        Format::Fiacre => vec![fiacre::print(&network)?],
     })
 }

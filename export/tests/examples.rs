@@ -33,6 +33,11 @@ fn pump_for_tchecker() {
     insta::assert_snapshot!(files("pump/pump.scn", Format::TChecker));
 }
 
+#[test]
+fn pump_in_fiacre() {
+    insta::assert_snapshot!(files("pump/pump.scn", Format::Fiacre));
+}
+
 /// Returns the refusals of the pump with options.
 fn refusals(options: &Options) -> Vec<String> {
     let prepared = example("pump/pump.scn").prepared(options);
@@ -47,6 +52,21 @@ fn what_is_not_translated_is_refused_by_name() {
     assert_eq!(refusals(&edf), ["not exported: `policy edf`"]);
     let published = Options { semantics: Some(Preset::Published), ..Options::default() };
     assert_eq!(refusals(&published), ["not exported: `semantics published`"]);
+}
+
+#[test]
+fn fiacre_has_neither_deadlocks_nor_greatest_times() {
+    let checks =
+        ["deadlock", "response pump.control"].map(|check| parse_check(check).expect(check));
+    for check in checks {
+        let options = Options { checks: check.clone(), ..Options::default() };
+        let prepared = example("pump/pump.scn").prepared(&options);
+        let refusals = export(&prepared, &|_, _| None, Format::Fiacre).expect_err("refused");
+        let refusals: Vec<String> = refusals.iter().map(ToString::to_string).collect();
+        let [refusal] = &refusals[..] else { panic!("{refusals:?}") };
+        assert!(refusal.contains("Fiacre"), "{refusal}");
+        assert!(export(&prepared, &|_, _| None, Format::Uppaal).is_ok(), "{refusal}");
+    }
 }
 
 /// `a_b` with the task `c`, and `a` with the task `b_c`.
