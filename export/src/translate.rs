@@ -22,6 +22,7 @@ mod scheduler;
 mod sequences;
 mod task;
 mod timer;
+mod unique;
 
 use dotgen_analysis::model::Src;
 use dotgen_timing::system::unfolded;
@@ -61,6 +62,7 @@ pub fn translate(prepared: &Prepared, place: &Place) -> Result<Network, Vec<Refu
         header: header(prepared),
         ..Network::default()
     };
+    network.header.extend(layout.renamed.iter().cloned());
     layout.declare(&mut network);
     let checks = checks::Checks::new(&layout, prepared)?;
     checks.declare(&mut network);
@@ -84,7 +86,8 @@ pub fn translate(prepared: &Prepared, place: &Place) -> Result<Network, Vec<Refu
     }
 }
 
-/// Returns a name that two parts of a network have: `a_b` of `c`, and `a` of `b_c`.
+/// Returns a name that parts of different kinds have, as the process `control_task_a` of the component `a` and
+/// the variable `control_task_a` of the component `task_a`.
 fn shared_name(network: &Network) -> Option<&str> {
     let Network { variables, clocks, channels, processes, .. } = network;
     let mut all: Vec<&str> = (variables.iter().map(|variable| &*variable.name))

@@ -8,6 +8,7 @@ use dotgen_timing::scn::parse_check;
 use dotgen_timing::scn::semantics::Preset;
 use dotgen_timing::verify::Options;
 
+use crate::read_back::{Counts, compare_system};
 use crate::systems::System;
 
 fn example(path: &str) -> System {
@@ -69,31 +70,46 @@ fn fiacre_has_neither_deadlocks_nor_greatest_times() {
     }
 }
 
-/// `a_b` with the task `c`, and `a` with the task `b_c`.
+/// `a_b` with the task `c`, and `a` with the task `b_c`; a client with the name of a component.
 #[test]
-fn parts_with_one_name_are_refused() {
+fn parts_with_one_name_get_a_number() {
     let component = |name: &str, task: &str| {
         format!(
             "component {name} {{ version \"1\"; lang \"c\"; task {task} {{ period 5 ms;
-             codel<start> {name}_{task}() yield pause::start wcet 1 ms; }}; }};"
+             codel<start> {name}_{task}() yield pause::start wcet 1 ms; }};
+             function f() {{}}; }};"
         )
     };
     let texts = [component("a_b", "c"), component("a", "b_c")];
-    let scenario = "scenario s { semantics servers; unit 1 ms; check schedulable *;
-        check never leave a.b_c.start.exec or not leave a.b_c.start.exec; }";
+    let scenario = "scenario s { semantics servers; unit 1 ms; client a { send a.f; }
+        check schedulable *; }";
     let system = System::of_texts(&texts, scenario).expect("no errors");
-    let refused = |scenario: &Options| {
-        let found = export(&system.prepared(scenario), &|_, _| None, Format::Uppaal);
-        let refusals = found.expect_err("it is refused");
-        refusals.iter().map(ToString::to_string).collect::<Vec<_>>()
-    };
-    let [refusal] = &refused(&Options::default())[..] else { panic!("one refusal") };
-    assert!(refusal.starts_with("not exported: `not leave`"), "{refusal}");
-    let checks = parse_check("schedulable *").expect("a check");
-    let [refusal] = &refused(&Options { checks, ..Options::default() })[..] else {
-        panic!("one refusal")
-    };
-    assert!(refusal.starts_with("not exported: `two parts with one name`"), "{refusal}");
+    let mut counts = Counts::default();
+    compare_system(&system, "two components", 20_000, &mut counts);
+    assert_eq!((counts.refused, counts.equal), (0, 2), "{counts:?}");
+    for format in [Format::Uppaal, Format::TChecker, Format::Fiacre] {
+        let files = export(&system.prepared(&Options::default()), &|_, _| None, format);
+        let text = files.expect("it is exported").swap_remove(0).text;
+        for line in [
+            "the task `a.b_c` is named `a_b_c_2`: the name `a_b_c` was taken",
+            "the client `a` is named `a_2`: the name `a` was taken",
+        ] {
+            assert!(text.contains(line), "{text}");
+        }
+    }
+}
+
+#[test]
+fn a_predicate_without_a_moment_is_refused() {
+    let specification = "component c { version \"1\"; lang \"c\"; task t { period 5 ms;
+        codel<start> a() yield pause::start wcet 1 ms; }; };";
+    let scenario = "scenario s { semantics servers; unit 1 ms;
+        check never leave c.t.start.exec or not leave c.t.start.exec; }";
+    let system = System::of_texts(&[specification.to_owned()], scenario).expect("no errors");
+    let prepared = system.prepared(&Options::default());
+    let found = export(&prepared, &|_, _| None, Format::Uppaal).expect_err("it is refused");
+    let [refusal] = &found[..] else { panic!("{found:?}") };
+    assert!(refusal.to_string().starts_with("not exported: `not leave`"), "{refusal}");
 }
 
 #[test]

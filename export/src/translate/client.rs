@@ -48,7 +48,7 @@ pub(super) fn process(layout: &Layout, id: ClientId) -> Process {
                     let outstanding = layout.outstanding(id);
                     let edge = edge("the control task takes the request")
                         .when(outstanding.clone().is(0_usize))
-                        .sends(&layout.request(id, *service))
+                        .sends(layout.request(id, *service))
                         .with([outstanding.set(1_usize)]);
                     let follow = trackers
                         .iter()

@@ -69,7 +69,10 @@ impl Layout<'_> {
             for service in client.steps.iter().filter_map(ClientStep::requests) {
                 if !seen.contains(&service) {
                     seen.push(service);
-                    channel(self.request(id, service), "the control task takes a request");
+                    channel(
+                        self.request(id, service).to_owned(),
+                        "the control task takes a request",
+                    );
                 }
             }
         }

@@ -1,5 +1,7 @@
 //! The integers and clocks of a network, and their names.
 
+use std::collections::BTreeMap;
+
 use dotgen_analysis::model::Seconds;
 use dotgen_timing::report::TimeUnit;
 use dotgen_timing::system::indexed::Built;
@@ -10,6 +12,7 @@ use dotgen_timing::system::{
 use dotgen_timing::verify::Prepared;
 
 use super::Place;
+use super::unique::Unique;
 use crate::model::{Guard, Term, all, any, var};
 
 /// Values of the status of an activity.
@@ -51,6 +54,13 @@ pub(super) struct Layout<'s> {
     pub(super) parts: Vec<Part>,
     /// By codel, the name of its executor.
     executors: Vec<Option<String>>,
+    /// By client, and by service.
+    clients: Vec<String>,
+    services: Vec<String>,
+    /// Channels of requests.
+    requests: BTreeMap<(ClientId, ServiceId), String>,
+    /// Sentences about parts with another name than in the system.
+    pub(super) renamed: Vec<String>,
 }
 
 /// A component.
@@ -107,12 +117,43 @@ impl<'s> Layout<'s> {
         let system = &prepared.built.system;
         let mut parts = Vec::new();
         let mut offset = 0;
+        let (mut executors, mut services, mut channels) =
+            (Unique::default(), Unique::default(), Unique::default());
         for id in system.components.keys() {
-            let part = part(&prepared.built, id, offset);
+            let part = part(&prepared.built, id, offset, &mut executors);
             offset += part.size;
             parts.push(part);
         }
-        let mut out = Layout { system, place, parts, executors: vec![None; system.codels.len()] };
+        let mut clients = Vec::new();
+        for client in &system.clients {
+            clients.push(executors.take(&client.name, &format!("the client `{}`", client.name)));
+        }
+        let mut out = Layout {
+            system,
+            place,
+            parts,
+            executors: vec![None; system.codels.len()],
+            clients,
+            services: Vec::new(),
+            requests: BTreeMap::new(),
+            renamed: Vec::new(),
+        };
+        for service in system.services.keys() {
+            let path = system.service_path(service);
+            out.services.push(services.take(&path, &format!("the service `{path}`")));
+        }
+        for (id, client) in system.clients.iter_enumerated() {
+            for service in client.steps.iter().filter_map(|step| step.requests()) {
+                if !out.requests.contains_key(&(id, service)) {
+                    let name =
+                        format!("request_{}_{}", out.client_name(id), out.service_name(service));
+                    let part = format!("the channel from `{}`", client.name);
+                    out.requests.insert((id, service), channels.take(&name, &part));
+                }
+            }
+        }
+        out.renamed =
+            [executors, services, channels].into_iter().flat_map(|unique| unique.renamed).collect();
         for part in &out.parts {
             for kind in &part.kinds {
                 let machine = kind.automaton.map(|automaton| system.machine_of(automaton));
@@ -259,8 +300,8 @@ impl<'s> Layout<'s> {
     }
 
     /// Returns the name of a service, with its component.
-    pub(super) fn service_name(&self, service: ServiceId) -> String {
-        self.system.service_path(service).replace('.', "_")
+    pub(super) fn service_name(&self, service: ServiceId) -> &str {
+        &self.services[usize::from(service)]
     }
 
     /// Returns the variable of the success of a service.
@@ -278,8 +319,8 @@ impl<'s> Layout<'s> {
         var(&format!("follows_{}_{tracker}", self.client_name(client)))
     }
 
-    pub(super) fn client_name(&self, client: ClientId) -> String {
-        identifier(&self.system.clients[client].name)
+    pub(super) fn client_name(&self, client: ClientId) -> &str {
+        &self.clients[usize::from(client)]
     }
 
     pub(super) fn client_step(&self, client: ClientId) -> Term {
@@ -292,16 +333,16 @@ impl<'s> Layout<'s> {
     }
 
     /// Returns the channel of a client's requests for a service.
-    pub(super) fn request(&self, client: ClientId, service: ServiceId) -> String {
-        format!("request_{}_{}", self.client_name(client), self.service_name(service))
+    pub(super) fn request(&self, client: ClientId, service: ServiceId) -> &str {
+        &self.requests[&(client, service)]
     }
 }
 
 /// Collects the names of a component.
-fn part(built: &Built, id: ComponentId, offset: usize) -> Part {
+fn part(built: &Built, id: ComponentId, offset: usize, names: &mut Unique) -> Part {
     let system = &built.system;
     let component = &system.components[id];
-    let name = component.name.clone();
+    let name = names.take(&component.name, &format!("the component `{}`", component.name));
     let requested = system.requested();
     let mut tasks = Vec::new();
     let mut kinds = Vec::new();
@@ -314,7 +355,10 @@ fn part(built: &Built, id: ComponentId, offset: usize) -> Part {
         tasks.push(TaskPart {
             id: task,
             index,
-            name: format!("{name}_{}", definition.name),
+            name: names.take(
+                &format!("{name}_{}", definition.name),
+                &format!("the task `{}`", system.task_path(task)),
+            ),
             base,
             count,
             period: definition.period.map(i64::from),

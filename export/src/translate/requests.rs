@@ -56,7 +56,7 @@ impl Writer<'_> {
                 layout.kind_of(self.service).map_or(0, |(_, kind)| part.task(kind.task).base);
             let updates =
                 [part.own("sender").set(usize::from(client) + 1), part.own("at").set(base)];
-            self.out.edge(edge.receives(&layout.request(client, self.service)).with(updates));
+            self.out.edge(edge.receives(layout.request(client, self.service)).with(updates));
         }
         let at = part.own("at");
         if let Some((_, kind)) = layout.kind_of(self.service) {

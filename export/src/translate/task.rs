@@ -6,6 +6,7 @@ use crate::model::{Edge, Guard, LocationKind, Process, Relation, Term, Update, a
 
 use super::checks::Checks;
 use super::layout::{Kind, Layout, Part, TaskPart, number, position, status, step, wanted};
+use super::unique::Unique;
 
 /// Writes the process of one task.
 struct Writer<'w> {
@@ -13,6 +14,8 @@ struct Writer<'w> {
     part: &'w Part,
     task: &'w TaskPart,
     checks: &'w Checks<'w>,
+    /// Names of the locations of codels.
+    locations: Unique,
     out: Process,
 }
 
@@ -25,7 +28,7 @@ pub(super) fn process(layout: &Layout, part: &Part, task: &TaskPart, checks: &Ch
         None => format!("task {words}, aperiodic"),
     };
     let out = Process::new(&name, comment);
-    let mut writer = Writer { layout, part, task, checks, out };
+    let mut writer = Writer { layout, part, task, checks, locations: Unique::default(), out };
     writer.cycle();
     writer.begin();
     writer.proceed();
@@ -316,7 +319,8 @@ impl<'w> Writer<'w> {
             return;
         };
         for (index, state) in entered(&machine.states) {
-            let location = format!("executes_{}_{}", kind.name, state.name);
+            let name = format!("executes_{}_{}", kind.name, state.name);
+            let location = self.locations.take(&name, &state.name);
             let codel = &self.layout.system.codels[state.codel];
             let upper = (codel.upper != FOREVER).then_some(i64::from(codel.upper));
             let clock = self.task.clock();
