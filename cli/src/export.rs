@@ -56,7 +56,7 @@ pub(super) struct Arguments {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Tool {
-    /// Network and queries (.xta, .q) of UPPAAL
+    /// Network and queries of UPPAAL (.xta, .q, and a drawing with both: .xml)
     Uppaal,
     /// Network of TChecker (.tck), a label for each query
     Tchecker,

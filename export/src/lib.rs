@@ -18,7 +18,7 @@ pub use self::translate::{Place, Refusal, translate};
 /// The language of a tool.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// UPPAAL 4.1 or later: a network (`.xta`) and its queries (`.q`).
+    /// UPPAAL 4.1 or later: a network (`.xta`), its queries (`.q`), and both as a drawing (`.xml`).
     Uppaal,
     /// TChecker 0.8 or later: a network (`.tck`), whose labels are the queries.
     TChecker,

@@ -106,9 +106,13 @@ fn header(prepared: &Prepared) -> Vec<String> {
         None => "no limit on cores".to_owned(),
         Some(count) => format!("cores {count}, policy {:?}", system.platform.policy).to_lowercase(),
     };
-    vec![
+    let assumptions = prepared.built.assumptions.iter();
+    let durations = assumptions.filter(|assumption| assumption.starts_with("durations:")).cloned();
+    let mut out = vec![
         format!("{}: formal model, written by dotgen export", prepared.report.scenario),
         format!("semantics {}; {cores}", prepared.report.semantics),
         format!("all times are numbers of {base}"),
-    ]
+    ];
+    out.extend(durations);
+    out
 }

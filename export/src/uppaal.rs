@@ -1,4 +1,6 @@
-//! The textual language of UPPAAL (`.xta`), and its queries (`.q`).
+//! The textual language of UPPAAL (`.xta`) with its queries (`.q`), and both as a drawing (`.xml`).
+
+mod xml;
 
 use std::fmt::Write as _;
 
@@ -12,10 +14,21 @@ pub(crate) fn print(network: &Network) -> Vec<File> {
     vec![
         File { name: format!("{}.xta", network.name), text: model(network) },
         File { name: format!("{}.q", network.name), text: queries(network) },
+        File { name: format!("{}.xml", network.name), text: xml::print(network) },
     ]
 }
 
 fn model(network: &Network) -> String {
+    let mut out = declarations(network);
+    for process in &network.processes {
+        print_process(process, &mut out);
+    }
+    out.push_str(&system(network));
+    out
+}
+
+/// Prints the head comment, integers, clocks and channels.
+fn declarations(network: &Network) -> String {
     let mut out = String::new();
     for line in &network.header {
         let _ = writeln!(out, "// {line}");
@@ -34,12 +47,12 @@ fn model(network: &Network) -> String {
     for (channel, meaning) in &network.channels {
         let _ = writeln!(out, "// {meaning}\nchan {channel};");
     }
-    for process in &network.processes {
-        print_process(process, &mut out);
-    }
-    let names: Vec<&str> = network.processes.iter().map(|process| process.name.as_str()).collect();
-    let _ = writeln!(out, "\nsystem\n    {};", names.join(",\n    "));
     out
+}
+
+fn system(network: &Network) -> String {
+    let names: Vec<&str> = network.processes.iter().map(|process| process.name.as_str()).collect();
+    format!("\nsystem\n    {};\n", names.join(",\n    "))
 }
 
 fn print_process(process: &Process, out: &mut String) {
@@ -70,36 +83,50 @@ fn print_process(process: &Process, out: &mut String) {
 }
 
 fn print_location(location: &Location, end: char, out: &mut String) {
-    let invariant = match &location.invariant {
-        Some((clock, most)) => format!(" {{ {clock} <= {most} }}"),
-        None => String::new(),
-    };
+    let invariant = invariant(location).map_or(String::new(), |text| format!(" {{ {text} }}"));
     let _ = writeln!(out, "    // {}\n    {}{invariant}{end}", location.comment, location.name);
+}
+
+fn invariant(location: &Location) -> Option<String> {
+    location.invariant.as_ref().map(|(clock, most)| format!("{clock} <= {most}"))
 }
 
 fn print_edge(edge: &Edge, end: char, out: &mut String) {
     let _ = writeln!(out, "    // {}\n    {} -> {} {{", edge.comment, edge.source, edge.target);
-    let mut conditions: Vec<String> = Vec::new();
-    match &edge.guard {
-        Guard::And(all) => conditions.extend(all.iter().map(operand)),
-        other => conditions.push(operand(other)),
-    }
-    for clock in &edge.clocks {
-        conditions.push(format!("{} {} {}", clock.clock, clock.relation.text(), clock.value));
-    }
-    if !conditions.is_empty() {
-        let _ = writeln!(out, "        guard {};", conditions.join("\n            && "));
-    }
-    match &edge.sync {
-        Some(Sync::Send(channel)) => out.push_str(&format!("        sync {channel}!;\n")),
-        Some(Sync::Receive(channel)) => out.push_str(&format!("        sync {channel}?;\n")),
-        None => {}
-    }
-    if !edge.updates.is_empty() {
-        let updates: Vec<String> = edge.updates.iter().map(update).collect();
-        let _ = writeln!(out, "        assign {};", updates.join(",\n            "));
+    let parts = [
+        ("guard", conditions(edge).join("\n            && ")),
+        ("sync", synchronisation(edge)),
+        ("assign", updates(edge).join(",\n            ")),
+    ];
+    for (word, text) in parts.iter().filter(|(_, text)| !text.is_empty()) {
+        let _ = writeln!(out, "        {word} {text};");
     }
     let _ = writeln!(out, "    }}{end}");
+}
+
+/// Returns the conditions of an edge, all of which must hold.
+fn conditions(edge: &Edge) -> Vec<String> {
+    let mut out: Vec<String> = match &edge.guard {
+        Guard::And(all) => all.iter().map(operand).collect(),
+        other => vec![operand(other)],
+    };
+    for clock in &edge.clocks {
+        out.push(format!("{} {} {}", clock.clock, clock.relation.text(), clock.value));
+    }
+    out
+}
+
+/// Returns the end of a channel; empty if the process acts alone.
+fn synchronisation(edge: &Edge) -> String {
+    match &edge.sync {
+        Some(Sync::Send(channel)) => format!("{channel}!"),
+        Some(Sync::Receive(channel)) => format!("{channel}?"),
+        None => String::new(),
+    }
+}
+
+fn updates(edge: &Edge) -> Vec<String> {
+    edge.updates.iter().map(update).collect()
 }
 
 /// Prints a condition, in parentheses unless it is a comparison.
@@ -152,23 +179,27 @@ fn queries(network: &Network) -> String {
             let _ = writeln!(out, "{line}");
         }
         out.push_str("*/\n");
-        match &query.kind {
-            QueryKind::Never { process, location } => {
-                let _ = writeln!(out, "A[] not {process}.{location}");
-            }
-            QueryKind::Reachable { process, location } => {
-                let _ = writeln!(out, "E<> {process}.{location}");
-            }
-            QueryKind::Lively { process, location } => {
-                let _ = writeln!(out, "A[] not (deadlock and {process}.{location})");
-            }
-            QueryKind::Greatest(clocks) => {
-                for (condition, clock) in clocks {
-                    let _ = writeln!(out, "sup{{{}}}: {clock}", guard(condition));
-                }
-            }
+        for formula in formulas(&query.kind) {
+            let _ = writeln!(out, "{formula}");
         }
         out.push('\n');
     }
     out
+}
+
+/// Returns the formulas of a query.
+fn formulas(kind: &QueryKind) -> Vec<String> {
+    match kind {
+        QueryKind::Never { process, location } => vec![format!("A[] not {process}.{location}")],
+        QueryKind::Reachable { process, location } => vec![format!("E<> {process}.{location}")],
+        QueryKind::Lively { process, location } => {
+            vec![format!("A[] not (deadlock and {process}.{location})")]
+        }
+        QueryKind::Greatest(clocks) => {
+            let greatest = clocks.iter();
+            greatest
+                .map(|(condition, clock)| format!("sup{{{}}}: {clock}", guard(condition)))
+                .collect()
+        }
+    }
 }

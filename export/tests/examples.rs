@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use dotgen_export::{Format, export};
-use dotgen_timing::scn::ast::Policy;
+use dotgen_timing::scn::ast::{Durations, Policy};
 use dotgen_timing::scn::parse_check;
 use dotgen_timing::scn::semantics::Preset;
 use dotgen_timing::verify::Options;
@@ -20,13 +20,58 @@ fn files(path: &str, format: Format) -> String {
     let place = |component, src| system.place(component, src);
     let files = export(&system.prepared(&Options::default()), &place, format);
     let files = files.expect("the example can be exported");
-    let texts = files.iter().map(|file| format!("===== {} =====\n{}", file.name, file.text));
+    let texts = files.iter().filter(|file| !file.name.ends_with(".xml"));
+    let texts = texts.map(|file| format!("===== {} =====\n{}", file.name, file.text));
     texts.collect()
 }
 
 #[test]
 fn pump_for_uppaal() {
     insta::assert_snapshot!(files("pump/pump.scn", Format::Uppaal));
+}
+
+/// The drawing has the locations, edges and queries of the text, each location in a place of its own.
+#[test]
+fn pump_as_a_drawing() {
+    let prepared = example("pump/pump.scn").prepared(&Options::default());
+    let files = export(&prepared, &|_, _| None, Format::Uppaal).expect("it is exported");
+    let [network, queries, drawing] = &files[..] else { panic!("three files") };
+    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+    let document = roxmltree::Document::parse_with_options(&drawing.text, options);
+    let document = document.expect("the drawing is XML");
+    let elements = |name: &str| {
+        document.descendants().filter(|node| node.has_tag_name(name)).collect::<Vec<_>>()
+    };
+    assert_eq!(elements("template").len(), network.text.matches("\nprocess ").count());
+    assert_eq!(elements("transition").len(), network.text.matches(" -> ").count());
+    let formulas = elements("formula");
+    let asked = queries.text.lines().filter(|line| line.contains("A[]") || line.contains("sup{"));
+    let asked: Vec<&str> = asked.collect();
+    assert_eq!(formulas.iter().filter_map(roxmltree::Node::text).collect::<Vec<_>>(), asked);
+    for template in elements("template") {
+        let locations = template.children().filter(|node| node.has_tag_name("location"));
+        let mut places: Vec<_> =
+            locations.map(|location| (location.attribute("x"), location.attribute("y"))).collect();
+        let count = places.len();
+        places.sort_unstable();
+        places.dedup();
+        assert_eq!(places.len(), count, "two locations in one place");
+    }
+    let guards = elements("label").into_iter().filter_map(|label| label.text());
+    assert!(guards.into_iter().any(|text| text == "t_pump_control <= 20"));
+}
+
+#[test]
+fn durations_are_in_the_header() {
+    let text = |durations| {
+        let options = Options { durations: Some(durations), ..Options::default() };
+        let prepared = example("pump/pump.scn").prepared(&options);
+        let files = export(&prepared, &|_, _| None, Format::TChecker).expect("it is exported");
+        files.into_iter().map(|file| file.text).collect::<String>()
+    };
+    let (open, fixed) = (text(Durations::Open), text(Durations::Fixed));
+    assert!(open.contains("\n# durations: explored from 0 on"), "{open}");
+    assert!(fixed.contains("\n# durations: every codel takes exactly its worst case"), "{fixed}");
 }
 
 #[test]
