@@ -6,8 +6,8 @@ use dotgen_analysis::model::Seconds;
 use dotgen_timing::report::TimeUnit;
 use dotgen_timing::system::indexed::Built;
 use dotgen_timing::system::{
-    AutomatonId, ClientAction, ClientId, CodelId, ComponentId, FOREVER, Machine, Policy, ServiceId,
-    TaskId, Ticks, TimedSystem,
+    AutomatonId, ClientAction, ClientId, ClientStep, CodelId, ComponentId, FOREVER, Machine,
+    Policy, ServiceId, TaskId, Ticks, TimedSystem,
 };
 use dotgen_timing::verify::Prepared;
 
@@ -143,7 +143,7 @@ impl<'s> Layout<'s> {
             out.services.push(services.take(&path, &format!("the service `{path}`")));
         }
         for (id, client) in system.clients.iter_enumerated() {
-            for service in client.steps.iter().filter_map(|step| step.requests()) {
+            for service in client.steps.iter().filter_map(ClientStep::requests) {
                 if !out.requests.contains_key(&(id, service)) {
                     let name =
                         format!("request_{}_{}", out.client_name(id), out.service_name(service));
