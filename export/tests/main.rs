@@ -2,6 +2,7 @@
 
 mod checks;
 mod examples;
+mod fiacre;
 mod outside;
 mod random_systems;
 mod read_back;
