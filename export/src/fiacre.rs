@@ -155,8 +155,8 @@ fn greatest(plan: &Plan) -> i64 {
     plan.variables.iter().map(|variable| variable.most.max(size(variable))).max().unwrap_or(1)
 }
 
-/// Prints the types. Fiacre converts no number to a smaller type, so all numbers have one type, and all arrays
-/// have it as their indices.
+/// Prints the types. Fiacre converts no number to a smaller type, so all numbers have one type, which is also
+/// the type of the indices of all arrays.
 fn types(plan: &Plan, out: &mut String) {
     let most = greatest(plan);
     let _ = writeln!(out, "type number is 0..{most}\ntype numbers is array {} of number", most + 1);

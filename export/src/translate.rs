@@ -30,8 +30,9 @@ use dotgen_timing::verify::Prepared;
 
 use crate::model::Network;
 
-use self::layout::{Layout, identifier};
+use self::layout::Layout;
 pub use self::refusals::Refusal;
+use self::unique::identifier;
 
 /// Gives the place of a declaration, as `FILE:LINE`: the number of its component in
 /// [`Names::components`](dotgen_timing::scn::names::Names::components), and the declaration.
@@ -86,8 +87,8 @@ pub fn translate(prepared: &Prepared, place: &Place) -> Result<Network, Vec<Refu
     }
 }
 
-/// Returns a name that parts of different kinds have, as the process `control_task_a` of the component `a` and
-/// the variable `control_task_a` of the component `task_a`.
+/// Returns a name that parts of different kinds have, as the process `control_task_a` of the component `a`
+/// and the variable `control_task_a` of the component `task_a`.
 fn shared_name(network: &Network) -> Option<&str> {
     let Network { variables, clocks, channels, processes, .. } = network;
     let mut all: Vec<&str> = (variables.iter().map(|variable| &*variable.name))

@@ -1,6 +1,5 @@
 //! Fiacre programs, read back: a reader of the printed subset, with the semantics of time transition systems
-//! in whole units of time. The times of a run that begin or end nothing but at whole units suffice, since no
-//! bound but the one of a passed limit is open.
+//! in whole units of time. Whole units suffice: all bounds are closed, except that of a limit that is passed.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -420,8 +419,8 @@ impl Program {
     }
 }
 
-/// Compares the answers to each check of a system with those of the verifier. Returns the numbers of states that
-/// are not reached, and of those that are.
+/// Compares the answers to each check of a system with those of the verifier. Returns how many checks have a
+/// state that is not reached, and how many have one that is.
 fn compare(system: &System, path: &str) -> [usize; 2] {
     let limits = Limits { states: VERIFIER_STATES, ..Limits::default() };
     let options = Options { limits, ..Options::default() };

@@ -1,8 +1,8 @@
 //! The processes and ports of a Fiacre program.
 //!
-//! Every transition has a port, since only ports have priorities. A port belongs to one process, or to the two
+//! Every transition has a port, since only ports have priorities. A port belongs to one process, or to two
 //! that a channel synchronises. Ports that leave a committed location are immediate, and come before all
-//! others; ports that watch clocks come before these.
+//! others. Ports that watch clocks come before these.
 
 use std::collections::{BTreeMap, BTreeSet};
 

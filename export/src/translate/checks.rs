@@ -9,11 +9,12 @@ use crate::model::{
     Update, Variable, all, any, var,
 };
 
-use super::layout::{Layout, TaskPart, identifier, position};
+use super::layout::{Layout, TaskPart, position};
 use super::monitors::Watch;
 use super::predicates::{self, Conditions};
 use super::refusals::{self, Refusal};
 use super::sequences::Sequence;
+use super::unique::identifier;
 
 /// Name of the process that observes.
 pub(super) const SCHEDULER: &str = "scheduler";

@@ -418,16 +418,6 @@ pub(super) fn executed(executor: &str) -> Term {
     var(&format!("codel_{executor}"))
 }
 
-/// Returns a name as an identifier.
-pub(super) fn identifier(name: &str) -> String {
-    let valid = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
-    let text: String = name.chars().map(valid).collect();
-    match text.chars().next() {
-        Some(first) if first.is_ascii_alphabetic() => text,
-        _ => format!("s_{text}"),
-    }
-}
-
 /// Returns a number of base units, of that many seconds each, as a time in words.
 pub(super) fn in_words(base: Seconds, ticks: i64) -> String {
     let unit = TimeUnit::default();

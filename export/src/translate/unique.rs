@@ -2,8 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use super::layout::identifier;
-
 /// The identifiers of one kind of part.
 #[derive(Default)]
 pub(super) struct Unique {
@@ -26,5 +24,15 @@ impl Unique {
             self.renamed.push(format!("{part} is named `{out}`: the name `{wanted}` was taken"));
         }
         out
+    }
+}
+
+/// Returns a name as an identifier.
+pub(super) fn identifier(name: &str) -> String {
+    let valid = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    let text: String = name.chars().map(valid).collect();
+    match text.chars().next() {
+        Some(first) if first.is_ascii_alphabetic() => text,
+        _ => format!("s_{text}"),
     }
 }
