@@ -55,8 +55,8 @@ impl<'s> Turns<'s> {
         machine.stop.filter(|_| self.of[automaton].stop.is_some())
     }
 
-    /// Returns the longest time of an automaton in a cycle, with this time for each codel. An interruption can
-    /// come after every codel, also after a pause; then a turn with `stop` begins.
+    /// Returns the longest time of an automaton in a cycle, with this time for each codel. An interruption
+    /// can come after every codel, also after a pause; then a turn with `stop` begins.
     pub(super) fn longest(
         &self,
         automaton: AutomatonId,
