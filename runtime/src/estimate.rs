@@ -32,10 +32,10 @@ impl Estimate {
     }
 }
 
-/// Returns the number of runs of which the share differs from the probability by at most half of a width, with
-/// the confidence of reports, whatever the probability is (W. Hoeffding, *Probability inequalities for sums of
-/// bounded random variables*, Journal of the American Statistical Association 58, 1963). `width` is above 0 and
-/// at most 1.
+/// Returns the number of runs of which the share differs from the probability by at most half of a width,
+/// with the confidence of reports, whatever the probability is (W. Hoeffding, *Probability inequalities for
+/// sums of bounded random variables*, Journal of the American Statistical Association 58, 1963). `width` is
+/// above 0 and at most 1.
 pub fn runs_for(width: f64) -> u64 {
     (2.0 * (2.0 / (1.0 - CONFIDENCE)).ln() / (width * width)).ceil() as u64
 }

@@ -39,8 +39,9 @@ impl Part {
     }
 }
 
-/// Runs a system in parts, on all processors. Returns the plan and the result of each part, in order, up to the
-/// first one that ended early. `bounds` are the known bounds on the response times of its tasks, in base units.
+/// Runs a system in parts, on all processors. Returns the plan and the result of each part, in order, up to
+/// the first one that ended early. `bounds` are the known bounds on the response times of its tasks, in base
+/// units.
 pub fn simulate_in_parts<'p, 'w>(
     prepared: &'p Prepared,
     bounds: &[Option<Ticks>],

@@ -146,9 +146,9 @@ fn stuck_states(machine: &Machine, limit: u16) -> (Vec<usize>, bool) {
 /// Upper limit on the states of an unfolded machine.
 const UNFOLDED: usize = 200;
 
-/// Returns a machine without a loop limit that has the same runs: a state for each state of a machine and each
-/// number of visits with which a turn can be there. The states of the machine come first, at the beginning of
-/// a turn; those without yields are never entered. `None`: there are too many states.
+/// Returns a machine without a loop limit that has the same runs: a state for each state of a machine and
+/// each number of visits with which a turn can be there. The states of the machine come first, at the
+/// beginning of a turn; those without yields are never entered. `None`: there are too many states.
 pub fn unfolded(machine: &Machine) -> Option<Machine> {
     let limit = machine.loop_limit;
     let begin = |state: usize| beginning(machine, limit, state);
