@@ -1,6 +1,6 @@
 //! `dotgen run merge`
 
-use camino::Utf8PathBuf;
+use camino::{Utf8Path, Utf8PathBuf};
 use clap::Args;
 use dotgen_runtime::report::{FORMAT, RunReport};
 
@@ -46,7 +46,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     Ok(outcome(&[first]))
 }
 
-fn read(path: &Utf8PathBuf) -> anyhow::Result<Answer> {
+fn read(path: &Utf8Path) -> anyhow::Result<Answer> {
     let text = session::text(path, MAX_REPORT)?;
     let answer: Answer = serde_json::from_str(&text).map_err(|error| {
         anyhow::anyhow!(
