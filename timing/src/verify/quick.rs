@@ -138,7 +138,9 @@ impl Group<'_> {
             return;
         }
         watch.response.clear();
-        let walked = walk(&self.built.system, &watch, ACTIONS, self.cancel);
+        // An action takes less time than a state that is kept.
+        let actions = ACTIONS.min((self.limits.states as u64).saturating_mul(8));
+        let walked = walk(&self.built.system, &watch, actions, self.cancel);
         let found = Findings {
             missed: walked.missed,
             states: walked.actions as usize,
