@@ -462,6 +462,8 @@ impl<'s> Window<'s> {
     ) -> Option<Ticks> {
         let other = self.system.tasks.get(TaskId::from(thread)).map(|_| TaskId::from(thread))?;
         let (own, period) = (self.system.tasks[task].period?, self.system.tasks[other].period?);
+        // A cycle of a task that meets its deadlines lies between its tick and the next one.
+        known[task].after_tick?;
         if cycle != Cycle::Other || !self.is_started(other, task, cycle, known) {
             return None;
         }
