@@ -407,6 +407,10 @@ impl Arguments {
                 self.all_runs() < self.shard.of,
                 "`--shard` divides runs into parts: give `--runs` at least as many as parts",
             ),
+            (
+                self.seed.checked_add(self.all_runs()).is_none(),
+                "`--seed` is too large: each run has the next seed",
+            ),
             (self.debug && several, "`--debug` is for one run: one scenario, without `--runs`"),
             (
                 self.debug && self.simulate == Simulate::All,

@@ -469,6 +469,10 @@ fn the_reports_of_parts_merge_into_the_report_of_the_whole() {
             ["run", "late.scn", "--simulate", "all", "--until", "200ms", "--format", "json"];
         directory.run(&[&words[..], options].concat())
     };
+    let run_until = |options: &[&str]| {
+        let words = ["run", "late.scn", "--simulate", "all", "--format", "json"];
+        directory.run(&[&words[..], options].concat())
+    };
     let runs = ["--runs", "100", "--seed", "5"];
     let whole = run(&runs);
     assert_eq!(status(&whole), 1, "{}", stderr(&whole));
@@ -493,6 +497,16 @@ fn the_reports_of_parts_merge_into_the_report_of_the_whole() {
     assert_eq!(status(&twice), 2);
     assert!(stderr(&twice).contains("two reports contain the run with the seed 5"));
     directory.write("other.json", &run(&["--cores", "1"]).stdout);
+    let longer = [&runs[..], &["--shard", "2/3", "--until", "300ms"]].concat();
+    directory.write("longer.json", &run_until(&longer).stdout);
+    let longer = merge("1.json longer.json");
+    assert!(stderr(&longer).contains("different durations of a run"), "{}", stderr(&longer));
+    let limit = [&runs[..], &["--shard", "2/3", "--check", "response late.t <= 9 ms"]].concat();
+    directory.write("limit.json", &run(&limit).stdout);
+    assert!(stderr(&merge("1.json limit.json")).contains("different checks"));
+    let text = stdout(&whole).replace("\"seed\": 5,", "\"seed\": 18446744073709551615,");
+    directory.write("far.json", text.as_bytes());
+    assert!(stderr(&merge("far.json")).contains("are no part"), "{}", stderr(&merge("far.json")));
     let other = merge("1.json other.json");
     assert_eq!(status(&other), 2);
     assert!(stderr(&other).contains("different clocks, platforms"), "{}", stderr(&other));
@@ -509,6 +523,7 @@ fn a_width_chooses_the_number_of_runs() {
         (&["--width", "0.1", "--runs", "3"], "cannot be used with"),
         (&["--runs", "2", "--shard", "3/3"], "at least as many as parts"),
         (&["--shard", "0/3"], "for example 3/8"),
+        (&["--runs", "9", "--seed", "18446744073709551612"], "`--seed` is too large"),
     ] {
         let output = pump(options);
         assert_eq!(status(&output), 2);

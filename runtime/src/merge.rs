@@ -16,6 +16,11 @@ impl RunReport {
     /// Returns the reason if the parts are not about one system, or share a run.
     pub fn merge(mut parts: Vec<RunReport>) -> Result<RunReport, String> {
         parts.sort_by_key(|part| part.seed);
+        for part in &parts {
+            if part.runs == 0 || part.seed.checked_add(part.runs).is_none() {
+                return Err(format!("{} runs from the seed {} are no part", part.runs, part.seed));
+            }
+        }
         for pair in parts.windows(2) {
             let (one, other) = (&pair[0], &pair[1]);
             one.check_same_system(other)?;
@@ -43,7 +48,13 @@ impl RunReport {
     fn check_same_system(&self, other: &RunReport) -> Result<(), String> {
         let checks = |report: &RunReport| -> Vec<_> {
             let checks = report.checks.iter();
-            checks.map(|check| (check.name.clone(), check.check, check.of.clone())).collect()
+            let shown = |check: &CheckOutcome| {
+                (check.name.clone(), check.check, check.of.clone(), check.limit)
+            };
+            checks.map(shown).collect()
+        };
+        let periods = |report: &RunReport| -> Vec<Option<Value>> {
+            report.tasks.iter().map(|task| task.period).collect()
         };
         let names = |report: &RunReport| -> Vec<String> {
             let tasks = report.tasks.iter().map(|task| task.task.clone());
@@ -59,6 +70,8 @@ impl RunReport {
             (self.semantics != other.semantics, "semantics"),
             (self.unit != other.unit, "units of time"),
             (self.durations != other.durations, "choices of durations"),
+            (self.until != other.until, "durations of a run"),
+            (periods(self) != periods(other), "periods"),
             (checks(self) != checks(other), "checks"),
             (names(self) != names(other), "components"),
             (self.assumptions != other.assumptions, "assumptions"),

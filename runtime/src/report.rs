@@ -37,6 +37,9 @@ pub struct RunReport {
     pub durations: Durations,
     /// Number of runs, each from the start.
     pub runs: u64,
+    /// Time at which each run ends at the latest, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub until: Option<Value>,
     /// Total time of all runs.
     pub time: Value,
     /// End of the last run.
@@ -269,6 +272,7 @@ impl RunReport {
             seed: plan.seed,
             durations: plan.durations,
             runs: outcome.runs,
+            until: (plan.until < u64::MAX).then(|| Value::Time(prepared.time(plan.until))),
             time: Value::Time(prepared.time(outcome.time)),
             end: outcome.end,
             unfinished: outcome.unfinished.clone(),
