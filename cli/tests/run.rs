@@ -506,11 +506,35 @@ fn the_reports_of_parts_merge_into_the_report_of_the_whole() {
     assert!(stderr(&merge("1.json limit.json")).contains("different checks"));
     let text = stdout(&whole).replace("\"seed\": 5,", "\"seed\": 18446744073709551615,");
     directory.write("far.json", text.as_bytes());
-    assert!(stderr(&merge("far.json")).contains("are no part"), "{}", stderr(&merge("far.json")));
+    assert!(stderr(&merge("far.json")).contains("are not part"), "{}", stderr(&merge("far.json")));
     let other = merge("1.json other.json");
     assert_eq!(status(&other), 2);
     assert!(stderr(&other).contains("different clocks, platforms"), "{}", stderr(&other));
     assert_eq!(status(&merge("late.scn")), 2);
+}
+
+#[test]
+fn a_run_that_a_measure_ends_is_the_last_one_and_no_sample() {
+    let directory = Directory::new(&[
+        (
+            "late.gen",
+            "component late { task t { period 10 ms;
+               codel<start> f() yield pause::start, pause::slow wcet 2 ms;
+               codel<slow> g() yield pause::start wcet 30 ms; }; };\n",
+        ),
+        (
+            "late.scn",
+            "scenario late { use \"late.gen\"; on late late.t { stop; } check schedulable late.t; }\n",
+        ),
+    ]);
+    // With few runs, each is a part; with many, a part has several.
+    for runs in ["20", "500"] {
+        let words = ["run", "late.scn", "--simulate", "all", "--durations", "worst", "--format"];
+        let output = directory.run(&[&words[..], &["json", "--runs", runs]].concat());
+        let report = json_of(&output);
+        assert_eq!((&report["runs"], &report["end"]), (&1.into(), &"measure".into()), "{report}");
+        assert_eq!(report["is-sample"], false);
+    }
 }
 
 #[test]

@@ -158,7 +158,7 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 /// The full name of a common message: `geometry_msgs/msg/Pose` for `geometry_msgs/Pose`.
 ///
 /// # Errors
-/// In words: there is no such common message.
+/// The name is not that of a common message.
 pub(crate) fn full_name(name: &str) -> Result<String, String> {
     let short = name.replacen("/msg/", "/", 1);
     let full = short.replacen('/', "/msg/", 1);

@@ -27,3 +27,10 @@ pub enum End {
     /// A component could not be started.
     NotStarted,
 }
+
+impl End {
+    /// Returns true if no further run follows a run that ended so.
+    pub(crate) fn ends_all(self) -> bool {
+        !matches!(self, End::Done | End::NothingLeft)
+    }
+}

@@ -18,7 +18,10 @@ impl RunReport {
         parts.sort_by_key(|part| part.seed);
         for part in &parts {
             if part.runs == 0 || part.seed.checked_add(part.runs).is_none() {
-                return Err(format!("{} runs from the seed {} are no part", part.runs, part.seed));
+                return Err(format!(
+                    "{} runs from the seed {} are not part of a set of runs",
+                    part.runs, part.seed
+                ));
             }
         }
         for pair in parts.windows(2) {
@@ -31,7 +34,7 @@ impl RunReport {
         let is_gap = |pair: &[RunReport]| pair[1].seed - pair[0].seed > pair[0].runs;
         let gaps = parts.windows(2).filter(|pair| is_gap(pair)).count();
         let mut parts = parts.into_iter();
-        let mut whole = parts.next().ok_or("there is no report to merge")?;
+        let mut whole = parts.next().ok_or("no report to merge")?;
         for part in parts {
             whole.add(part);
         }

@@ -22,9 +22,6 @@ pub struct Part {
 }
 
 impl Part {
-    /// The whole.
-    pub const WHOLE: Part = Part { index: 0, of: 1 };
-
     /// Returns the plan of this part of the runs, which may have none.
     pub fn plan<'w>(self, plan: &Plan<'w>) -> Plan<'w> {
         let runs = u128::from(plan.runs);
@@ -75,6 +72,6 @@ pub fn simulate_in_parts<'p, 'w>(
     let whole = plans
         .into_iter()
         .zip(results)
-        .take_while(|(plan, result)| !std::mem::replace(&mut ended, result.runs < plan.runs));
+        .take_while(|(_, result)| !std::mem::replace(&mut ended, result.end.ends_all()));
     whole.collect()
 }

@@ -293,7 +293,7 @@ impl RunReport {
             // If what is counted decides when to stop, or a run was cut off, the count is no sample.
             is_sample: outcome.runs == plan.runs
                 && !plan.stop_at_violation
-                && outcome.end != End::Interrupted,
+                && !outcome.end.ends_all(),
         };
         report.estimate();
         report

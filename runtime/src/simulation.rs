@@ -177,12 +177,7 @@ pub fn simulate_recorded<'p, W: Write>(
         observer.end_run(&stepper, end);
         runs += 1;
         let violated = plan.stop_at_violation && observer.judge.has_violations();
-        if violated
-            || matches!(
-                end,
-                End::Stopped | End::Measure | End::Interrupted | End::Standstill | End::NotStarted
-            )
-        {
+        if violated || end.ends_all() {
             break;
         }
     }

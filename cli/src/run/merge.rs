@@ -1,5 +1,6 @@
 //! `dotgen run merge`
 
+use anyhow::Context as _;
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::Args;
 use dotgen_runtime::report::{FORMAT, RunReport};
@@ -36,9 +37,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         anyhow::bail!("the reports are about different clocks, platforms or executed codels");
     }
     let mut answers = answers.into_iter();
-    let Some(mut first) = answers.next() else {
-        anyhow::bail!("there is no report to merge");
-    };
+    let mut first = answers.next().context("no report to merge")?;
     let others = answers.map(|answer| answer.report);
     let parts = std::iter::once(first.report).chain(others).collect();
     first.report = RunReport::merge(parts).map_err(anyhow::Error::msg)?;
@@ -50,7 +49,7 @@ fn read(path: &Utf8Path) -> anyhow::Result<Answer> {
     let text = session::text(path, MAX_REPORT)?;
     let answer: Answer = serde_json::from_str(&text).map_err(|error| {
         anyhow::anyhow!(
-            "{path} is no report of one scenario by `dotgen run --format json`: {error}"
+            "{path} is not a report of one scenario from `dotgen run --format json`: {error}"
         )
     })?;
     if answer.report.format != FORMAT {

@@ -12,7 +12,7 @@ use crate::model::{
 };
 use crate::translate::Refusal;
 
-/// Times between two numbers of base units; without an end if there is no second one.
+/// An interval of time in base units. `None` as the second number means no upper bound.
 pub(super) type Interval = (i64, Option<i64>);
 
 /// Limit on the values for which the guards of a location are tried.

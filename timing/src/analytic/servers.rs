@@ -178,7 +178,7 @@ pub(super) fn is_within_components(system: &TimedSystem) -> bool {
     })
 }
 
-/// How the codels of a thread count that keep a cycle waiting.
+/// A way to count the codels of a thread that keep a cycle waiting.
 enum Way {
     /// Before each codel of the cycle, the longest one.
     Each,

@@ -93,7 +93,7 @@ fn measured((value, run): (Ticks, Run)) -> Measured {
     Measured { bound: Bound::Finite(value), longest: Found { run }, excess: None }
 }
 
-/// What a walk looks for.
+/// The aim of a walk.
 #[derive(Clone, Copy)]
 struct Aim {
     /// The gauge of the response time.
