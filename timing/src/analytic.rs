@@ -21,6 +21,9 @@
 //! The bounds *R* are the least fixed point of these equations. No job can be the first to exceed its own
 //! bound: until it does, all other jobs have kept theirs, and it waits only for work done before.
 //!
+//! If a job starts at its tick, the times since the last ticks of the other tasks are known, and so is the
+//! work that these carry in.
+//!
 //! An aperiodic task that works for ever is counted by its stretches of work. The breaks between them have a
 //! known length, unless another task is at work.
 
@@ -76,7 +79,7 @@ pub fn response_bounds(system: &TimedSystem) -> TiVec<TaskId, Option<Ticks>> {
             return ti_vec![None; system.tasks.len()];
         }
     }
-    analysis.bounds
+    analysis.bounds.iter().map(|bound| Some(bound.as_ref()?.response)).collect()
 }
 
 /// Returns true if a bound on the response time of a task proves that the task meets its deadlines. A kept
@@ -88,6 +91,9 @@ pub fn meets_deadlines(system: &TimedSystem, task: TaskId, bound: Option<Ticks>)
 
 /// Rounds after which a task with a bound that still grows counts as late: a quick bound must be quick.
 const MAX_GROWTH_ROUNDS: usize = 100;
+
+/// Number of times since a tick above which the phase of a task is not used.
+const MAX_PHASES: u64 = 64;
 
 /// The work of the system in a window of time.
 #[derive(Default)]
@@ -114,8 +120,17 @@ struct Analysis<'s> {
     started: TiVec<TaskId, Option<u64>>,
     /// Tasks that may have a tick waiting when a job ends.
     late: TiVec<TaskId, bool>,
-    /// Lower limits of the bounds on response times, raised until they are fixed.
-    bounds: TiVec<TaskId, Option<Ticks>>,
+    /// Lower limits of the bounds, raised until they are fixed.
+    bounds: TiVec<TaskId, Option<Bound>>,
+}
+
+/// Bounds on the times of a job, from its release.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+struct Bound {
+    /// Until its end.
+    response: Ticks,
+    /// Until it gets its core.
+    wait: Ticks,
 }
 
 impl<'s> Analysis<'s> {
@@ -130,7 +145,7 @@ impl<'s> Analysis<'s> {
             windows: Vec::new(),
             started: TiVec::new(),
             late: tasks.clone().map(|task| may_be_late(system, task)).collect(),
-            bounds: ti_vec![Some(0); system.tasks.len()],
+            bounds: ti_vec![Some(Bound::default()); system.tasks.len()],
         };
         let excluded = excluded(system);
         let situations = situations(system);
@@ -267,13 +282,14 @@ impl<'s> Analysis<'s> {
     /// Improves the bounds once. Returns, by task, whether a bound was found.
     fn improve(&mut self) -> TiVec<TaskId, bool> {
         let bounds = self.next_bounds();
-        let growing = |task: TaskId| {
-            let gets_late = !self.late[task] && !meets_deadlines(self.system, task, bounds[task]);
-            gets_late || bounds[task] != self.bounds[task]
+        let late = |task: TaskId| {
+            !meets_deadlines(self.system, task, bounds[task].map(|bound| bound.response))
         };
+        let growing =
+            |task: TaskId| (!self.late[task] && late(task)) || bounds[task] != self.bounds[task];
         let growing = bounds.keys().map(growing).collect();
-        for (task, late) in self.late.iter_mut_enumerated() {
-            *late |= !meets_deadlines(self.system, task, bounds[task]);
+        for (task, now) in self.late.iter_mut_enumerated() {
+            *now |= late(task);
         }
         self.bounds = bounds;
         growing
@@ -281,32 +297,30 @@ impl<'s> Analysis<'s> {
 
     /// Returns the greatest bound of all windows, by task. A job that may take longer than its period is
     /// bounded by the work of the whole run.
-    fn next_bounds(&self) -> TiVec<TaskId, Option<Ticks>> {
+    fn next_bounds(&self) -> TiVec<TaskId, Option<Bound>> {
         let system = self.system;
-        let in_window = |window: &Window, tasks: &mut dyn FnMut(TaskId, Option<Ticks>)| {
+        let in_window = |window: &Window| -> TiVec<TaskId, Option<Bound>> {
             let held: TiVec<TaskId, Option<u64>> =
                 system.tasks.keys().map(|task| self.held(window, task)).collect();
-            for task in system.tasks.keys() {
-                let response = || {
-                    let wait = self.core_wait(task, &held)?;
-                    let response = u32::try_from(held[task]?.checked_add(wait)?).ok()?;
-                    (response < FOREVER).then_some(response)
-                };
-                tasks(task, response());
-            }
+            let bound = |task: TaskId| {
+                let wait = u32::try_from(self.core_wait(task, &held)?).ok()?;
+                let response = u32::try_from(held[task]?).ok()?.checked_add(wait)?;
+                (response < FOREVER).then_some(Bound { response, wait })
+            };
+            system.tasks.keys().map(bound).collect()
         };
-        let mut out: TiVec<TaskId, Option<Ticks>> = ti_vec![None; system.tasks.len()];
-        in_window(&self.whole, &mut |task, response| out[task] = response);
+        let mut out = in_window(&self.whole);
         for (period, windows) in &self.windows {
-            let mut greatest: TiVec<TaskId, Option<Ticks>> = ti_vec![Some(0); system.tasks.len()];
-            for window in windows {
-                in_window(window, &mut |task, response| {
-                    let most = greatest[task].zip(response).map(|(one, other)| one.max(other));
-                    greatest[task] = most.filter(|most| most < period);
-                });
-            }
+            let all: Vec<_> = windows.iter().map(in_window).collect();
             for task in system.tasks.keys().filter(|&it| system.tasks[it].period == Some(*period)) {
-                out[task] = greatest[task].or(out[task]);
+                let greatest = all.iter().try_fold(Bound::default(), |most, bounds| {
+                    let bound = bounds[task].filter(|bound| bound.response < *period)?;
+                    Some(Bound {
+                        response: most.response.max(bound.response),
+                        wait: most.wait.max(bound.wait),
+                    })
+                });
+                out[task] = greatest.or(out[task]);
             }
         }
         out
@@ -319,14 +333,14 @@ impl<'s> Analysis<'s> {
         let with_wait = |codel: CodelId| {
             let rivals = &window.of_codel[codel];
             let wait: &Option<u64> =
-                waits[codel].get_or_init(|| self.longest_busy(task, rivals, 0, alone));
+                waits[codel].get_or_init(|| self.longest_busy(task, rivals, 0, alone, false));
             self.upper(codel)?.checked_add((*wait)?)
         };
         let mut longest = 0;
         for (party, rivals) in window.parties[task].iter().zip(&window.of_party[task]) {
             let one_by_one = self.turns(party, &with_wait);
             let together = (self.turns(party, &|codel| self.upper(codel)))
-                .and_then(|work| self.longest_busy(task, rivals, work, alone));
+                .and_then(|work| self.longest_busy(task, rivals, work, alone, true));
             longest = longest.max(one_by_one.into_iter().chain(together).min()?);
         }
         Some(longest)
@@ -355,8 +369,15 @@ impl<'s> Analysis<'s> {
     }
 
     /// Returns the longest time for which `work` and rivals can keep a job of a task busy. `alone`: no job of
-    /// another periodic task can be under way.
-    fn longest_busy(&self, task: TaskId, rivals: &Rivals, work: u64, alone: bool) -> Option<u64> {
+    /// another periodic task can be under way. `from_grant`: the window begins when the job gets its core.
+    fn longest_busy(
+        &self,
+        task: TaskId,
+        rivals: &Rivals,
+        work: u64,
+        alone: bool,
+        from_grant: bool,
+    ) -> Option<u64> {
         let mut demand = Demand {
             jobs: Vec::new(),
             stretches: rivals.stretches.iter().copied().collect::<Option<_>>()?,
@@ -374,7 +395,10 @@ impl<'s> Analysis<'s> {
                 }
             }
             if !alone && work > 0 {
-                demand.jobs.push(self.jobs(job.task, work, over)?);
+                let jobs = self.jobs(job.task, work, over)?;
+                let wait = self.bounds[task].filter(|_| from_grant).map(|bound| bound.wait);
+                let in_phase = |wait| self.in_phase(task, job.task, jobs.clone(), u64::from(wait));
+                demand.jobs.push(wait.map_or_else(|| jobs.clone(), in_phase));
             }
         }
         demand.longest_busy(1)
@@ -384,7 +408,7 @@ impl<'s> Analysis<'s> {
     /// most its bound, or `over`.
     fn jobs(&self, task: TaskId, work: u64, over: u64) -> Option<Jobs> {
         let period = self.system.tasks[task].period?;
-        let bound = self.bounds[task].map(|bound| over.max(work).max(u64::from(bound)));
+        let bound = self.bounds[task].map(|bound| over.max(work).max(u64::from(bound.response)));
         let kind = match bound {
             Some(bound) if !self.late[task] && bound < u64::from(period) => Kind::Punctual(bound),
             // A codel of a separate thread may still run during the next job.
@@ -392,6 +416,26 @@ impl<'s> Analysis<'s> {
             _ => Kind::Late(2),
         };
         Some(Jobs { period, work, kind, released: Some(u64::MAX) })
+    }
+
+    /// Returns the jobs of another task in a window that begins at most `width` after the release of a job: if
+    /// both tasks are released at their ticks, the times since the last tick of the other one are known.
+    fn in_phase(&self, task: TaskId, other: TaskId, jobs: Jobs, width: u64) -> Jobs {
+        let (Kind::Punctual(response), Some(period)) = (jobs.kind, self.system.tasks[task].period)
+        else {
+            return jobs;
+        };
+        if self.late[task] || other == task {
+            return jobs;
+        }
+        let (period, others) = (u64::from(period), u64::from(jobs.period));
+        // Times of ticks differ by the difference of the first ones, and multiples of this.
+        let every = greatest_common_divisor(period, others);
+        if others / every > MAX_PHASES {
+            return jobs;
+        }
+        let first = (self.first_tick(task) + others - self.first_tick(other) % others) % every;
+        Jobs { kind: Kind::InPhase { response, first, every, width }, ..jobs }
     }
 
     /// Returns the time before which no job of a task begins.
@@ -424,6 +468,10 @@ fn automata_of_parties(
         out
     };
     parties.iter().map(automata).collect()
+}
+
+fn greatest_common_divisor(one: u64, other: u64) -> u64 {
+    if other == 0 { one } else { greatest_common_divisor(other, one % other) }
 }
 
 fn turns_in_jobs(system: &TimedSystem, automaton: AutomatonId) -> Ways {

@@ -31,11 +31,13 @@ impl Analysis<'_> {
         let mut ahead = Vec::new();
         for other in others {
             let work = held[other].filter(|_| !self.may_be_endless(other));
+            let jobs = work.and_then(|work| self.jobs(other, work, 0));
+            let jobs = jobs.map(|jobs| self.in_phase(task, other, jobs, 0));
             match work {
-                Some(work) => ahead.push(work),
+                Some(work) => ahead.push(jobs.as_ref().map_or(work, |jobs| jobs.carried(work))),
                 None => held_for_ever += 1,
             }
-            match work.and_then(|work| self.jobs(other, work, 0)) {
+            match jobs {
                 Some(job) => demand.jobs.extend((job.work > 0).then_some(job)),
                 None => kept += 1,
             }

@@ -24,6 +24,9 @@ pub(super) struct Jobs {
 pub(super) enum Kind {
     /// Jobs end at most this long after their release, before the next release.
     Punctual(u64),
+    /// Punctual jobs, in a window that begins some time after a release: `first`, or some multiple of `every`
+    /// later, and at most `width` later than that.
+    InPhase { response: u64, first: u64, every: u64, width: u64 },
     /// At the beginning of the window, up to this many released jobs are unfinished.
     Late(u64),
     /// The window begins at the start of the system, and the first release is this much later.
@@ -53,6 +56,14 @@ impl Jobs {
                 let count = carried + released.min(self.releases(window, 0));
                 (count.saturating_mul(self.work), 0)
             }
+            Kind::InPhase { response, width, .. } => {
+                let count = |since: u64| {
+                    let carried = self.work.min(response.saturating_sub(since));
+                    let released = self.released(window, since + width);
+                    released.saturating_mul(self.work).saturating_add(carried)
+                };
+                (self.since_release().map(count).max().unwrap_or(0), 0)
+            }
             Kind::Punctual(response) => {
                 let least = u64::from(self.period) - response;
                 let most = self.released.map_or(0, |number| self.releases(number, least));
@@ -68,6 +79,30 @@ impl Jobs {
         }
     }
 
+    /// Returns the times that can have elapsed since the last release when the window begins.
+    fn since_release(&self) -> impl Iterator<Item = u64> {
+        let (first, every) = match self.kind {
+            Kind::InPhase { first, every, .. } => (first, every),
+            _ => (0, 1),
+        };
+        (first..u64::from(self.period)).step_by(every as usize)
+    }
+
+    /// Returns the greatest part of some work of a job that is left when the window begins.
+    pub(super) fn carried(&self, work: u64) -> u64 {
+        let Kind::InPhase { response, .. } = self.kind else {
+            return work;
+        };
+        let since = self.since_release().next();
+        since.map_or(0, |since| work.min(response.saturating_sub(since)))
+    }
+
+    /// Returns the number of releases that count in a window that begins this long after a release.
+    fn released(&self, window: u64, since: u64) -> u64 {
+        let elapsed = |window: u64| (since + window) / u64::from(self.period);
+        self.released.map_or(0, elapsed).min(elapsed(window))
+    }
+
     /// Returns the next window length at which the work at the end of the window changes.
     fn change(&self, window: u64) -> u64 {
         let period = u64::from(self.period);
@@ -78,6 +113,13 @@ impl Jobs {
         match self.kind {
             Kind::First(tick) => next(tick),
             Kind::Late(_) => next(0),
+            Kind::InPhase { width, .. } => {
+                let changes = self.since_release().map(|since| {
+                    let elapsed = (since + width) % period;
+                    next(period - elapsed)
+                });
+                changes.min().unwrap_or(window + 1)
+            }
             Kind::Punctual(response) => {
                 let offset = period - response + self.work;
                 next(offset).min(next(offset + self.work))

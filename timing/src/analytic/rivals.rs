@@ -9,6 +9,9 @@ use super::{Analysis, Window};
 use crate::scn::semantics::LockRule;
 use crate::system::{AutomatonId, CodelId, CodelSet, FOREVER, Machine, TaskId, TimedSystem};
 
+/// Number of instances of an activity in a window above which its work is unknown.
+const MAX_INSTANCES: u32 = 64;
+
 /// The work that can keep codels waiting for their locks.
 #[derive(Debug, Default)]
 pub(super) struct Rivals {
@@ -86,18 +89,8 @@ impl Analysis<'_> {
                 }
                 continue;
             }
-            let takes_part = |automaton: &&AutomatonId| {
-                let service = self.system.automata[**automaton].service;
-                service.is_none_or(|service| window.requests[service] != Some(0))
-            };
-            for &automaton in entry.permanent.iter().chain(&entry.slots).filter(takes_part) {
-                let machine = self.system.machine_of(automaton);
-                if machine.states.iter().any(|state| cost(state.codel) != Some(0)) {
-                    // Activities begin again at any time.
-                    let alone = entry.slots.is_empty();
-                    let found = alone.then(|| self.stretches(machine, &cost));
-                    out.stretches.push(found.flatten());
-                }
+            for &automaton in entry.permanent.iter().chain(&entry.slots) {
+                out.stretches.extend(self.stretches_of(automaton, window, &cost));
             }
         }
         out.control = self.control_work(&window.requests, excluded);
@@ -110,7 +103,33 @@ impl Analysis<'_> {
         (upper != FOREVER).then_some(u64::from(upper))
     }
 
-    /// Returns the stretches of work of a permanent activity without a period, given the work of each codel.
+    /// Returns the stretches of an automaton of an aperiodic task. An activity has those of each of its
+    /// requests: one until it is interrupted, and one from then on.
+    fn stretches_of(
+        &self,
+        automaton: AutomatonId,
+        window: &Window,
+        cost: &dyn Fn(CodelId) -> Option<u64>,
+    ) -> Vec<Option<Stretches>> {
+        let machine = self.system.machine_of(automaton);
+        if machine.states.iter().all(|state| cost(state.codel) == Some(0)) {
+            return Vec::new();
+        }
+        let count = match self.system.automata[automaton].service {
+            None => Some(1),
+            // The first slot counts for all of them.
+            Some(service) if self.system.services[service].slots[0] != automaton => Some(0),
+            Some(service) => window.requests[service]
+                .map(|requests| requests * (1 + u32::from(machine.stop.is_some()))),
+        };
+        match count.filter(|&count| count <= MAX_INSTANCES) {
+            Some(count) => vec![self.stretches(machine, cost); count as usize],
+            None => vec![None],
+        }
+    }
+
+    /// Returns the stretches of work of one instance of an activity without a period, given the work of each
+    /// codel.
     fn stretches(
         &self,
         machine: &Machine,

@@ -39,6 +39,9 @@ const VARIANTS: u64 = 60;
 /// Actions between two polls of the limits.
 const ACTIONS_PER_POLL: u64 = 256;
 
+/// Number of actions at one moment before which victims do not go on.
+const PATIENCE: u64 = 20;
+
 /// Rounds after which the longest rest of a job in a state machine with loops counts as known.
 const ROUNDS: usize = 12;
 
@@ -118,6 +121,10 @@ struct Preferences {
     late: u64,
     /// Number, of eight, of yields that lead to the longest rest of a job.
     long: u64,
+    /// Tasks that are released after others, and leave their locks to others.
+    victims: [Option<usize>; 2],
+    /// Number of actions at this moment for which they still do.
+    patience: u64,
 }
 
 /// The end of a codel, as a walk prefers it.
@@ -129,14 +136,24 @@ enum End {
 }
 
 impl Preferences {
-    fn numbered(task: usize, number: u64) -> Self {
+    fn numbered(task: usize, number: u64, tasks: usize) -> Self {
         Preferences {
             dice: (number + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1,
             seed: number,
             task,
             late: [8, 7, 6, 4, 2][(number % 5) as usize],
             long: [8, 5, 0][(number % 3) as usize],
+            victims: [
+                (!number.is_multiple_of(3)).then_some(task),
+                (!number.is_multiple_of(2)).then_some((number / 2) as usize % tasks),
+            ],
+            patience: PATIENCE,
         }
+    }
+
+    /// Returns true if others go before a task.
+    fn is_victim(&self, task: usize) -> bool {
+        self.victims.contains(&Some(task))
     }
 
     /// Returns a random number below a limit.
@@ -242,7 +259,8 @@ impl Walks<'_> {
 
     /// Continues a run. Returns the positions at which a job of the task was released.
     fn walk(&mut self, start: &Position, aim: Aim, number: u64, actions: u64) -> Vec<Position> {
-        let mut preferences = Preferences::numbered(aim.task, number);
+        let mut preferences =
+            Preferences::numbered(aim.task, number, self.observations.rules.system().tasks.len());
         self.observations.clear_observations();
         let Position { mut s, mut now, steps } = start.clone();
         self.trail.truncate(steps);
@@ -284,6 +302,7 @@ impl Walks<'_> {
             let Some(jump) = jump else { break };
             rules.elapse(&mut s, jump);
             now += u64::from(jump);
+            preferences.patience = PATIENCE;
             let at = Sight { parent: self.trail.len(), time: now };
             for gauge in 0..self.observations.gauges.len() {
                 self.observations.longest_after_jump(gauge, &s, at);
@@ -323,6 +342,9 @@ impl Walks<'_> {
         enabled: &Enabled,
         preferences: &mut Preferences,
     ) -> Option<Action> {
+        if let Some(action) = self.overtake(s, enabled, preferences) {
+            return Some(action);
+        }
         let rules = &self.observations.rules;
         let ticks = || enabled.actions.iter().any(|action| matches!(action, Action::Tick { .. }));
         let wanted = |action: &Action| {
@@ -378,6 +400,41 @@ impl Walks<'_> {
             _ => 0,
         };
         outcomes.max_by_key(rest)
+    }
+
+    /// Returns an action of others that comes before the release of a victim, or keeps it from the locks that
+    /// it can take: a codel takes them, or one ends that may request them next.
+    fn overtake(
+        &self,
+        s: &State,
+        enabled: &Enabled,
+        preferences: &mut Preferences,
+    ) -> Option<Action> {
+        let rules = &self.observations.rules;
+        let task =
+            |action: Action| rules.task_of(action).filter(|&task| preferences.is_victim(task));
+        let (victim, waiting) = enabled.actions.iter().find_map(|&action| match action {
+            Action::Acquire { executor } => Some((task(action)?, rules.codel(s, executor))),
+            Action::Release { .. } => Some((task(action)?, None)),
+            _ => None,
+        })?;
+        let excludes = |executor: usize| {
+            let codel = rules.codel(s, executor);
+            let conflicts = waiting.map(|waiting| &rules.system().codels[waiting].conflicts);
+            conflicts.zip(codel).is_some_and(|(conflicts, codel)| conflicts.contains(codel))
+        };
+        let (mut first, mut others) = (Vec::new(), Vec::new());
+        for &action in enabled.actions.iter().filter(|&&action| task(action) != Some(victim)) {
+            match action {
+                Action::Acquire { executor } if excludes(executor) => first.push(action),
+                Action::Finish { executor, .. } if waiting.is_none() || excludes(executor) => {}
+                _ => others.push(action),
+            }
+        }
+        let list = if first.is_empty() { others } else { first };
+        preferences.patience = preferences.patience.checked_sub(1)?;
+        let count = list.len() as u64;
+        (count > 0).then(|| list[preferences.below(count) as usize])
     }
 
     /// Returns the longest rest of a job after a codel with an outcome.
