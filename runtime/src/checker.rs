@@ -1,6 +1,7 @@
 //! The comparison of a run with the checks of its scenario and with proved bounds.
 
 use dotgen_timing::explore::{Seen, Stepper, Work};
+use dotgen_timing::property::DataFact;
 use dotgen_timing::system::{TaskId, Ticks};
 use dotgen_timing::verify::{Prepared, Question};
 
@@ -33,6 +34,10 @@ pub enum Idle {
     NoCodel { task: usize },
     /// No codel was executed at all.
     NothingExecuted,
+    /// No codel is executed that writes the compared data: number of the comparison.
+    NoData { fact: usize },
+    /// The compared data was not written: number of the comparison.
+    NotWritten { fact: usize },
     /// The first predicate of the check did not become true.
     NoTrigger,
     /// The expected event did not come.
@@ -109,6 +114,12 @@ pub struct RunChecker<'p> {
     reached: Vec<bool>,
     /// Checks that were violated in this run.
     violated: Vec<bool>,
+    /// Comparisons of data that no run evaluates.
+    absent: Vec<bool>,
+    /// Comparisons of data that a run has evaluated.
+    known: Vec<bool>,
+    /// Checks that would be exercised if their comparisons of data were known.
+    awaits_data: Vec<bool>,
 }
 
 impl<'p> RunChecker<'p> {
@@ -118,6 +129,7 @@ impl<'p> RunChecker<'p> {
         places: Vec<Option<usize>>,
         bounds: Vec<Option<Ticks>>,
     ) -> Self {
+        let facts = prepared.built.data.iter().flatten().count();
         let answers = prepared.checks.iter().map(|check| CheckResult {
             verdict: match check.question {
                 Question::Reachable(_) | Question::Eventually(_) => Verdict::NotSeen,
@@ -131,6 +143,9 @@ impl<'p> RunChecker<'p> {
             beyond: vec![false; bounds.len()],
             reached: vec![false; prepared.checks.len()],
             violated: vec![false; prepared.checks.len()],
+            absent: vec![false; facts],
+            known: vec![false; facts],
+            awaits_data: vec![false; prepared.checks.len()],
             violations: Vec::new(),
             times: Vec::new(),
             broken: Vec::new(),
@@ -144,9 +159,25 @@ impl<'p> RunChecker<'p> {
         }
     }
 
+    /// Leaves checks unanswered if `has_data` says that no run evaluates a comparison of data in them.
+    pub fn find_data(&mut self, has_data: &dyn Fn(&DataFact) -> bool) {
+        let facts = self.prepared.built.data.iter().flatten();
+        self.absent = facts.map(|fact| !has_data(fact)).collect();
+        for check in 0..self.answers.len() {
+            if self.lacks_data(check) {
+                self.answers[check].verdict = Verdict::NotExercised;
+            }
+        }
+    }
+
+    fn lacks_data(&self, check: usize) -> bool {
+        self.prepared.checks[check].data.iter().any(|&fact| self.absent[fact])
+    }
+
     /// Records an event.
     pub(crate) fn on_event(&mut self, stepper: &Stepper, seen: &Seen) {
         let now = Moment { run: self.run, time: stepper.now() };
+        self.note_data(stepper);
         match *seen {
             Seen::Missed { task } | Seen::Overdue { task } | Seen::Job { task, .. }
                 if self.gone[task] => {}
@@ -190,6 +221,20 @@ impl<'p> RunChecker<'p> {
         }
     }
 
+    /// Notes the comparisons of data that have become known. A check that lacked one is exercised from here on.
+    fn note_data(&mut self, stepper: &Stepper) {
+        let fresh = |fact: &usize| !self.known[*fact] && stepper.knows_fact(*fact);
+        let fresh: Vec<usize> = (0..self.known.len()).filter(fresh).collect();
+        for &fact in &fresh {
+            self.known[fact] = true;
+        }
+        for check in (0..self.answers.len()).filter(|_| !fresh.is_empty()) {
+            if self.awaits_data[check] {
+                self.exercise(check);
+            }
+        }
+    }
+
     /// Records that a codel was executed: it exercises the checks of its task, and those that hold at every
     /// moment.
     fn executed(&mut self, work: &Work) {
@@ -211,6 +256,10 @@ impl<'p> RunChecker<'p> {
     }
 
     fn exercise(&mut self, check: usize) {
+        if self.prepared.checks[check].data.iter().any(|&fact| !self.known[fact]) {
+            self.awaits_data[check] = true;
+            return;
+        }
         let verdict = &mut self.answers[check].verdict;
         if *verdict == Verdict::NotExercised {
             *verdict = Verdict::Kept;
@@ -221,6 +270,13 @@ impl<'p> RunChecker<'p> {
     pub fn idle(&self, check: usize) -> Option<Idle> {
         if !matches!(self.answers[check].verdict, Verdict::NotExercised | Verdict::NotSeen) {
             return None;
+        }
+        let mut data = self.prepared.checks[check].data.iter().copied();
+        if let Some(fact) = data.clone().find(|&fact| self.absent[fact]) {
+            return Some(Idle::NoData { fact });
+        }
+        if let Some(fact) = data.find(|&fact| !self.known[fact]) {
+            return Some(Idle::NotWritten { fact });
         }
         Some(match self.prepared.checks[check].question {
             Question::Schedulable(task)
@@ -376,7 +432,7 @@ impl<'p> RunChecker<'p> {
             }
             match self.prepared.checks[check].question {
                 Question::Always(_) => self.violate(now, check),
-                Question::Reachable(_) | Question::Eventually(_) => {
+                Question::Reachable(_) | Question::Eventually(_) if !self.lacks_data(check) => {
                     self.reached[check] = true;
                     let answer = &mut self.answers[check];
                     if answer.verdict == Verdict::NotSeen {
@@ -408,6 +464,9 @@ impl<'p> RunChecker<'p> {
 
     /// Updates the greatest time of a check.
     fn lasts(&mut self, now: Moment, check: usize, time: Ticks) {
+        if self.lacks_data(check) {
+            return;
+        }
         let answer = &mut self.answers[check];
         answer.greatest = answer.greatest.max(Some(time));
         let limit = match self.prepared.checks[check].question {
@@ -421,6 +480,9 @@ impl<'p> RunChecker<'p> {
     }
 
     fn violate(&mut self, now: Moment, check: usize) {
+        if self.lacks_data(check) {
+            return;
+        }
         let answer = &mut self.answers[check];
         answer.violations += 1;
         self.violated[check] = true;

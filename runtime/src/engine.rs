@@ -96,6 +96,9 @@ pub fn run(
         }
         let action = choose(actions, &works, decide, live.as_deref_mut(), &mut outcomes);
         watch.on_action(stepper, action, None);
+        if let Some(live) = live.as_deref() {
+            live.set_facts(action, stepper);
+        }
         stepper.perform(action, &mut seen);
     }
 }

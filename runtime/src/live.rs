@@ -5,6 +5,7 @@
 //! the two moments no other codel reads the data, because the codel holds the locks.
 
 mod components;
+mod data;
 mod delegation;
 mod ending;
 mod machines;
@@ -15,6 +16,7 @@ use std::collections::{HashMap, VecDeque};
 use std::time::Duration;
 
 use dotgen_timing::explore::{Action, Seen, Stepper, Work};
+use dotgen_timing::property::DataFact;
 use dotgen_timing::system::{CodelId, ComponentId, ServiceId, TaskId, TimedSystem, Yield};
 use typed_index_collections::{TiVec, ti_vec};
 
@@ -89,6 +91,8 @@ pub struct Live<'p> {
     /// Port data is kept for a recording, in `published`.
     keeps_data: bool,
     published: Vec<PortUpdate>,
+    /// Comparisons of data in checks.
+    facts: &'p [DataFact],
     /// Requests from outside, by component.
     wanted: TiVec<ComponentId, VecDeque<OutsideRequest>>,
     /// Requests from outside that must end.
@@ -133,6 +137,7 @@ impl<'p> Live<'p> {
             written: Vec::new(),
             keeps_data: false,
             published: Vec::new(),
+            facts: &[],
             wanted: (0..components).map(|_| VecDeque::new()).collect(),
             aborts: Vec::new(),
             connected: Vec::new(),

@@ -90,6 +90,7 @@ pub fn run(
             }
             let action = engine::choose(&allowed, &works, decide, Some(live), &mut outcomes);
             watch.on_action(stepper, action, live.executed(action));
+            live.set_facts(action, stepper);
             stepper.perform(action, &mut seen);
             continue;
         }

@@ -403,10 +403,18 @@ impl ReportBuilder<'_> {
 
     fn why(&self, idle: Idle) -> String {
         let system = &self.prepared.built.system;
+        let data = |fact: usize| {
+            let fact = self.prepared.built.data.as_ref().and_then(|facts| facts.get(fact));
+            fact.map_or("", |fact| &fact.path)
+        };
         match idle {
             Idle::NoCodel { task } => {
                 format!("{} executed no codel", system.task_path(TaskId::from(task)))
             }
+            Idle::NoData { fact } => {
+                format!("{} has no data: no codel that writes it is executed", data(fact))
+            }
+            Idle::NotWritten { fact } => format!("{} was not written", data(fact)),
             Idle::NothingExecuted => "no codel was executed".to_owned(),
             Idle::NoTrigger => "its first condition did not become true".to_owned(),
             Idle::NotSeen => "it did not become true".to_owned(),

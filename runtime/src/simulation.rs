@@ -136,13 +136,20 @@ pub fn simulate_recorded<'p, W: Write>(
     let second = u64::try_from(second).unwrap_or(u64::MAX).max(1);
     let follow = execution.as_mut().and_then(|execution| execution.follow.take());
     let violated = execution.as_ref().and_then(|execution| execution.violated);
+    let facts = prepared.built.data.as_deref().unwrap_or_default();
+    let mut judge = RunChecker::new(prepared, places, bounds.clone());
+    let live = execution.as_mut().map(|execution| &mut *execution.live);
+    judge.find_data(&|fact| live.as_ref().is_some_and(|live| live.has_data(fact)));
+    if let Some(live) = live {
+        live.compare(facts);
+    }
     let mut observer = Observer {
         system,
         prepared,
-        bounds: bounds.clone(),
+        bounds,
         follow: follow.map(|execution| (execution, ActivityStates::default())),
         tally: Tally::new(system),
-        judge: RunChecker::new(prepared, places, bounds),
+        judge,
         profile,
         offset: 0,
         stop_at_violation: plan.stop_at_violation,

@@ -5,6 +5,7 @@ mod advice;
 mod beside;
 mod chains;
 mod codes;
+mod data;
 mod findings;
 mod invariants;
 mod json;

@@ -52,7 +52,7 @@ impl<'c> Checks<'c> {
         let mut out = Checks { layout, entries: Vec::new(), left: Vec::new() };
         let mut refusals = Vec::new();
         for (index, check) in prepared.checks.iter().enumerate() {
-            let PreparedCheck { report, question } = check;
+            let PreparedCheck { report, question, .. } = check;
             let words = format!("{} {}", report.kind, report.of);
             let name = report.name.as_ref().map(|name| format!("{name}: {words}")).unwrap_or(words);
             let goal = format!("check_{}_{}", index + 1, identifier(report.kind.word()));

@@ -115,7 +115,7 @@ pub(super) fn atom(layout: &Layout, atom: &Atom) -> Guard {
             }
         }
         // Refused before.
-        Atom::Tick(_) | Atom::Violated(_) => any([]),
+        Atom::Tick(_) | Atom::Data { .. } | Atom::Violated(_) => any([]),
         Atom::Client(client, steps) => {
             let at = layout.client_step(*client);
             any(steps.iter().map(|&step| at.clone().is(step)))

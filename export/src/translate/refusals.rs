@@ -95,6 +95,7 @@ pub(super) fn of_atom(layout: &Layout, atom: &Atom, check: &str) -> Option<Refus
             format!("control task of {}", system.components[*component].name)
         }
         Atom::Tick(task) => format!("{}.tick", system.task_path(*task)),
+        Atom::Data { .. } => "comparison of data".to_owned(),
         _ => return None,
     };
     Some(Refusal::new(&construct, Some(check.to_owned())))

@@ -136,6 +136,7 @@ impl<'f> Follower<'f> {
             reach: watch.reach.clone(),
             within: within.map(|of| (of.trigger.clone(), of.responses.clone())).collect(),
             monitors: watch.monitors.clone(),
+            facts: 0,
         };
         let stepper = Stepper::new(system, &watched);
         Follower {

@@ -107,7 +107,7 @@ impl Subject {
             Atom::ControlBusy(component) => Some(Subject::Component(component)),
             Atom::Client(client, _) => Some(Subject::Client(client)),
             Atom::Tick(task) => Some(Subject::Job(task)),
-            Atom::Violated(_) => None,
+            Atom::Data { .. } | Atom::Violated(_) => None,
         };
         let mut all = Vec::new();
         predicate.atoms(&mut |atom| all.push(of_atom(atom)));

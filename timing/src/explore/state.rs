@@ -63,6 +63,8 @@ pub(crate) struct Clocks {
     pub(crate) within: Vec<Stages>,
     /// Monitors: true for those that watch for some time.
     pub(crate) monitors: Vec<bool>,
+    /// Number of comparisons of data.
+    pub(crate) facts: usize,
     /// Numbers in the discrete part for the token of a chain.
     pub(crate) token: usize,
     /// Every component can be shut down from outside, and not only those that a client may kill.
@@ -98,6 +100,8 @@ pub(crate) struct Frame {
     stages: Vec<Range<usize>>,
     /// First place of the locations of monitors in the discrete part.
     monitor_base: usize,
+    /// First place of the comparisons of data in the discrete part: 0 if unknown, 1 if false, 2 if true.
+    fact_base: usize,
     token_base: usize,
     d_len: usize,
     window_base: usize,
@@ -151,6 +155,7 @@ impl Places {
             .collect();
         let observer_base = self.discrete(count);
         let monitor_base = self.discrete(clocks.monitors.len());
+        let fact_base = self.discrete(clocks.facts);
         let token_base = self.discrete(clocks.token);
         let (executors, phase_base) = self.executors;
         let window_base = self.times(2 * executors);
@@ -168,6 +173,7 @@ impl Places {
             observer_base,
             stages,
             monitor_base,
+            fact_base,
             token_base,
             d_len: self.d,
             window_base,
@@ -279,6 +285,15 @@ impl Frame {
 
     pub(crate) fn set_monitor(&self, s: &mut State, monitor: usize, location: u16) {
         s.d[self.monitor_base + monitor] = location;
+    }
+
+    /// Returns the value of a comparison of data; `None` if it is unknown.
+    pub(crate) fn fact(&self, s: &State, fact: usize) -> Option<bool> {
+        s.d[self.fact_base + fact].checked_sub(1).map(|value| value > 0)
+    }
+
+    pub(crate) fn set_fact(&self, s: &mut State, fact: usize, holds: bool) {
+        s.d[self.fact_base + fact] = 1 + u16::from(holds);
     }
 
     /// Returns the place of the time that a monitor still watches, if it watches for some time.

@@ -25,6 +25,8 @@ pub struct Watched {
     /// least one other.
     pub within: Vec<(Predicate, Vec<Predicate>)>,
     pub monitors: Vec<Monitor>,
+    /// Number of comparisons of data.
+    pub facts: usize,
 }
 
 /// The possible actions in a state.
@@ -80,6 +82,16 @@ impl<'s> Stepper<'s> {
     /// Performs one of the possible actions, and appends its events.
     pub fn perform(&mut self, action: Action, seen: &mut Vec<Seen>) {
         self.walk.perform(action, seen);
+    }
+
+    /// Sets a comparison of data, from the next action on.
+    pub fn set_fact(&mut self, fact: usize, holds: bool) {
+        self.walk.set_fact(fact, holds);
+    }
+
+    /// Returns true if a comparison of data has been set in this run.
+    pub fn knows_fact(&self, fact: usize) -> bool {
+        self.walk.knows_fact(fact)
     }
 
     /// Sets the duration, in base units, of the work that an executor has just begun. It must be a possible
@@ -230,6 +242,8 @@ trait Walk {
     fn now(&self) -> u64;
     fn possible(&self, out: &mut Enabled);
     fn perform(&mut self, action: Action, seen: &mut Vec<Seen>);
+    fn set_fact(&mut self, fact: usize, holds: bool);
+    fn knows_fact(&self, fact: usize) -> bool;
     fn decide(&mut self, executor: usize, time: Ticks);
     fn work(&self, executor: usize) -> Option<Work>;
     fn requests(&self, client: ClientId) -> Option<ServiceId>;
@@ -265,6 +279,7 @@ fn walk<'s, R: Rules + 's>(rules: &R, watched: &Watched) -> Stepper<'s> {
             .map(|(_, responses)| Stages { count: responses.len(), measured: true })
             .collect(),
         monitors: watched.monitors.iter().map(|monitor| monitor.time > 0).collect(),
+        facts: watched.facts,
         token: 0,
         ends: true,
     };
@@ -274,6 +289,7 @@ fn walk<'s, R: Rules + 's>(rules: &R, watched: &Watched) -> Stepper<'s> {
     let walker = Walker {
         observers: Observers::of(within, &watched.monitors),
         reach: watched.reach.clone(),
+        new_facts: Vec::new(),
         overdue: vec![false; rules.system().tasks.len()],
         s: rules.initial(),
         before: rules.initial(),
@@ -293,6 +309,8 @@ struct Walker<R: Rules> {
     rules: R,
     observers: Observers,
     reach: Vec<Predicate>,
+    /// Comparisons of data that change with the next action.
+    new_facts: Vec<(usize, bool)>,
     s: State,
     /// The state before the last action.
     before: State,
@@ -376,6 +394,7 @@ impl<R: Rules> Walker<R> {
 impl<R: Rules> Walk for Walker<R> {
     fn begin(&mut self, seen: &mut Vec<Seen>) {
         self.s = self.rules.initial();
+        self.new_facts.clear();
         self.ending = false;
         self.now = 0;
         self.overdue.fill(false);
@@ -403,6 +422,9 @@ impl<R: Rules> Walk for Walker<R> {
 
     fn perform(&mut self, action: Action, seen: &mut Vec<Seen>) {
         self.before.clone_from(&self.s);
+        for (fact, holds) in self.new_facts.drain(..) {
+            self.rules.frame().set_fact(&mut self.s, fact, holds);
+        }
         let mut ended = None;
         match action {
             Action::Finish { executor, outcome } => {
@@ -445,6 +467,14 @@ impl<R: Rules> Walk for Walker<R> {
         seen.append(&mut met);
         self.beginnings(Some(&self.before), ended, seen);
         self.note_overdue(seen);
+    }
+
+    fn set_fact(&mut self, fact: usize, holds: bool) {
+        self.new_facts.push((fact, holds));
+    }
+
+    fn knows_fact(&self, fact: usize) -> bool {
+        self.rules.frame().fact(&self.s, fact).is_some()
     }
 
     fn decide(&mut self, executor: usize, time: Ticks) {

@@ -143,7 +143,7 @@ impl<'s> Parts<'s> {
             }
             Atom::ControlBusy(component) => part.kind == PartKind::Control(component),
             Atom::Client(client, _) => part.kind == PartKind::Client(client),
-            Atom::Tick(_) | Atom::Violated(_) => false,
+            Atom::Tick(_) | Atom::Data { .. } | Atom::Violated(_) => false,
         }
     }
 

@@ -45,6 +45,12 @@ pub enum Atom {
     Client(ClientId, Vec<usize>),
     /// The timer of a task has just wrapped: the moment of its tick.
     Tick(TaskId),
+    /// A comparison of data holds, or does not if `negated`: its number in the list of what is watched. Both
+    /// are false before the port is written.
+    Data {
+        fact: usize,
+        negated: bool,
+    },
     /// A [monitor](super::Monitor) is violated: its number in the list of what is watched.
     Violated(usize),
 }
@@ -151,6 +157,26 @@ impl Predicate {
             Predicate::And(one, other) | Predicate::Or(one, other) => {
                 one.needs_no_moment(negated, leaves) || other.needs_no_moment(negated, leaves)
             }
+        }
+    }
+
+    /// Returns the negation. Before a port is written, a comparison of its data does not hold, and neither
+    /// does its negation.
+    pub(crate) fn negation(self) -> Predicate {
+        let mut has_data = false;
+        self.atoms(&mut |atom| has_data |= matches!(atom, Atom::Data { .. }));
+        if !has_data {
+            return Predicate::Not(Box::new(self));
+        }
+        let negation = |predicate: Box<Predicate>| Box::new(predicate.negation());
+        match self {
+            Predicate::Atom(Atom::Data { fact, negated }) => {
+                Predicate::Atom(Atom::Data { fact, negated: !negated })
+            }
+            Predicate::Not(predicate) => *predicate,
+            Predicate::And(one, other) => Predicate::Or(negation(one), negation(other)),
+            Predicate::Or(one, other) => Predicate::And(negation(one), negation(other)),
+            predicate => Predicate::Not(Box::new(predicate)),
         }
     }
 

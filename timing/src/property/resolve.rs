@@ -2,9 +2,9 @@
 
 use dotgen_analysis::model::{CodelRef, Owner, ServiceKind};
 
-use super::{Atom, Predicate, SlotStatus, StatePhase, TaskState};
+use super::{Atom, Predicate, SlotStatus, StatePhase, TaskState, data};
 use crate::diagnostic::Diagnostic;
-use crate::scn::ast::{Path, Pred, Trigger};
+use crate::scn::ast::{Comparison, Path, Pred, Trigger};
 use crate::scn::names::{Names, STATUSES, Target};
 use crate::system::indexed::Built;
 use crate::system::indexed::DeclaredTask;
@@ -12,7 +12,7 @@ use crate::system::indexed::DeclaredTask;
 /// Appends the components of a predicate, which must not be separated.
 pub(crate) fn components_of(names: &Names, built: &Built, pred: &Pred, out: &mut Vec<usize>) {
     match pred {
-        Pred::Atom(path) | Pred::Leave(path) => {
+        Pred::Atom(path) | Pred::Leave(path) | Pred::Comparison(Comparison { path, .. }) => {
             if let Some(&Target::Component(c)) = names.follow(path).first() {
                 out.push(c);
             } else if let Some(first) = path.names.first() {
@@ -38,12 +38,21 @@ pub(crate) fn components_of(names: &Names, built: &Built, pred: &Pred, out: &mut
 pub(crate) fn resolve(names: &Names, built: &Built, pred: &Pred) -> Result<Predicate, Diagnostic> {
     Ok(match pred {
         Pred::Atom(path) => atom(names, built, path)?,
+        Pred::Comparison(comparison) => {
+            let fact = data::resolve(names, built, comparison)?;
+            let known = built.data.as_ref();
+            let Some(fact) = known.and_then(|known| known.iter().position(|known| *known == fact))
+            else {
+                return Err(data::not_in_model(comparison));
+            };
+            Predicate::Atom(Atom::Data { fact, negated: false })
+        }
         Pred::Leave(path) => match atom(names, built, path)? {
             Predicate::Atom(atom) => Predicate::Leave(atom),
             // A negated atom is left when the atom becomes true; only `void` is built like this.
             other => other,
         },
-        Pred::Not(predicate) => Predicate::Not(Box::new(resolve(names, built, predicate)?)),
+        Pred::Not(predicate) => resolve(names, built, predicate)?.negation(),
         Pred::And(one, other) => Predicate::And(
             Box::new(resolve(names, built, one)?),
             Box::new(resolve(names, built, other)?),
@@ -141,7 +150,11 @@ fn atom(names: &Names, built: &Built, path: &Path) -> Result<Predicate, Diagnost
                 phase,
             }
         }
-        Target::Port(..) | Target::Client(_) | Target::Step(..) | Target::Status(_) => {
+        Target::Port(..)
+        | Target::Member(..)
+        | Target::Client(_)
+        | Target::Step(..)
+        | Target::Status(_) => {
             return wrong();
         }
     };

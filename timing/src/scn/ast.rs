@@ -6,7 +6,7 @@ use super::semantics::{LockRule, PauseRule, PortRule, Preset, TickRule, TurnRule
 use super::times::TimesFile;
 
 pub use super::pattern::{MonitorKind, Pattern, PatternForm, ScopeWord};
-pub use super::values::{Bound, Interval, Path, Pred, Spanned, Unit};
+pub use super::values::{Bound, Comparison, Interval, Operator, Path, Pred, Spanned, Unit};
 
 /// The possible numbers of slots of an activity. Each additional slot multiplies the number of states.
 pub const SLOTS: RangeInclusive<u32> = 1..=32;
@@ -331,6 +331,11 @@ impl CheckKind {
             | CheckKind::Response(path, _) => path.as_ref(),
             _ => None,
         }
+    }
+
+    /// Returns the comparisons of data in the predicates of the check.
+    pub(crate) fn comparisons(&self) -> impl Iterator<Item = &Comparison> {
+        self.predicates().flat_map(Pred::comparisons)
     }
 
     /// Returns the predicates of the check, as they are written.

@@ -55,4 +55,5 @@ pub const CODES: &[Code] = &[
     error("scn-aperiodic"),
     error("scn-chain-end"),
     error("scn-no-way"),
+    warning("scn-data"),
 ];

@@ -88,6 +88,11 @@ impl Names<'_> {
                 let form = format!("port {dir} {}.{}", component(c).name, port.name);
                 (form, "an output port is one lock for all that use it".to_owned())
             }
+            Target::Member(c, p, path) => {
+                let port = &component(*c).ports[*p as usize];
+                let form = format!("{}.{}.{}", component(*c).name, port.name, path.join("."));
+                (form, "data of a port, which runs and recordings have".to_owned())
+            }
             Target::State(c, owner, index, state) => {
                 let codel = codel_at(component(*c), *owner, *index);
                 let meaning = codel.map_or(String::new(), |codel| of_codel(codel, Some(state)));
@@ -128,6 +133,9 @@ impl Names<'_> {
                 (c, member(c).1.services.get(s as usize).map(|service| service.src))
             }
             &Target::Port(c, p) => (c, member(c).1.ports.get(p as usize).map(|port| port.src)),
+            &Target::Member(c, ..) => {
+                (c, self.data_type(target).map(|ty| self.components[c].spec.ty(ty).src))
+            }
             Target::State(c, owner, index, state) => {
                 let codel = codel_at(member(*c).1, *owner, *index);
                 let trigger = codel

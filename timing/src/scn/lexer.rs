@@ -25,6 +25,9 @@ pub enum Kind {
     Name,
     #[regex(r"[0-9]+")]
     Number,
+    /// A number with a sign or a fraction.
+    #[regex(r"-[0-9]+|-?[0-9]+\.[0-9]+([eE][+-]?[0-9]+)?")]
+    Real,
     /// `"…"` on one line.
     #[regex(r#""[^"\n]*""#)]
     Text,
@@ -43,6 +46,18 @@ pub enum Kind {
     /// `>=`
     #[token(">=")]
     AtLeast,
+    /// `<`
+    #[token("<")]
+    Below,
+    /// `>`
+    #[token(">")]
+    Above,
+    /// `==`
+    #[token("==")]
+    Equal,
+    /// `!=`
+    #[token("!=")]
+    Unequal,
     #[doc = "`{`"]
     #[token("{")]
     OpenBrace,

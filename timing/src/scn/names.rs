@@ -2,10 +2,14 @@
 
 use std::ops::Range;
 
-use dotgen_analysis::model::{CodelKind, Component, ComponentKind, Owner, ServiceKind, Spec};
+use dotgen_analysis::model::{
+    CodelKind, Component, ComponentKind, Owner, ServiceKind, Spec, TypeId, TypeKind,
+};
 use dotgen_syntax::suggestion::nearest;
 
-use super::ast::{CheckKind, Item, Path, Pred, Scenario, Spanned, Step, StepKind, TriggerKind};
+use super::ast::{
+    CheckKind, Comparison, Item, Path, Pred, Scenario, Spanned, Step, StepKind, TriggerKind,
+};
 use crate::diagnostic::Diagnostic;
 
 /// The components of a scenario.
@@ -35,6 +39,8 @@ pub enum Target {
     Service(usize, u32),
     /// A port: component, index.
     Port(usize, u32),
+    /// A member of the data of a port: component, index of the port, names of the members that lead to it.
+    Member(usize, u32, Vec<String>),
     /// A codel state: component, owner, index of the codel, name of the state.
     State(usize, Owner, u32, String),
     /// A codel of the control task: component, service, index of the codel.
@@ -110,7 +116,8 @@ impl<'a> Names<'a> {
             (Some(Owner::Task(t)), _) => out.push(Target::Task(c, t)),
             (Some(Owner::Service(s)), _) => out.push(Target::Service(c, s)),
             (None, Some(p)) => {
-                out.push(Target::Port(c, p as u32));
+                let names = third.into_iter().chain(names);
+                self.follow_members((c, p as u32), names, &mut out);
                 return out;
             }
             (None, None) => return out,
@@ -122,6 +129,37 @@ impl<'a> Names<'a> {
             out.push(target);
         }
         out
+    }
+
+    /// Appends a port, and the members of its data.
+    fn follow_members<'n>(
+        &self,
+        (c, p): (usize, u32),
+        names: impl Iterator<Item = &'n str>,
+        out: &mut Vec<Target>,
+    ) {
+        out.push(Target::Port(c, p));
+        let Member { spec, component, .. } = self.components[c];
+        let mut ty = component.ports[p as usize].data;
+        let mut path = Vec::new();
+        for name in names {
+            let Some((_, member)) = members(spec, ty).find(|(member, _)| *member == name) else {
+                return;
+            };
+            ty = member;
+            path.push(name.to_owned());
+            out.push(Target::Member(c, p, path.clone()));
+        }
+    }
+
+    /// Returns the type of a port, or of a member of its data; `None` for other targets.
+    pub(crate) fn data_type(&self, target: &Target) -> Option<TypeId> {
+        let (&Target::Port(c, p) | &Target::Member(c, p, _)) = target else { return None };
+        let path = if let Target::Member(_, _, path) = target { path } else { &Vec::new() };
+        let Member { spec, component, .. } = self.components[c];
+        path.iter().try_fold(component.ports[p as usize].data, |ty, name| {
+            members(spec, ty).find(|(member, _)| member == name).map(|pair| pair.1)
+        })
     }
 
     /// Returns a state of a machine, or a codel of the control task by its name or as `validate`.
@@ -227,6 +265,15 @@ impl<'a> Names<'a> {
             }
             Some(&Target::Task(c, t)) => self.states(c, Owner::Task(t), &mut out),
             Some(&Target::Service(c, s)) => self.states(c, Owner::Service(s), &mut out),
+            Some(target @ (&Target::Port(c, p) | &Target::Member(c, p, _))) => {
+                let path = if let Target::Member(_, _, path) = target { &**path } else { &[] };
+                let ty = self.data_type(target);
+                for (name, _) in ty.into_iter().flat_map(|ty| members(self.components[c].spec, ty))
+                {
+                    let path = [path, &[name.to_owned()]].concat();
+                    out.push((name.to_owned(), Target::Member(c, p, path)));
+                }
+            }
             Some(_) => {}
         }
         out
@@ -278,6 +325,15 @@ impl<'a> Names<'a> {
         out.sort_by_key(|reference| reference.range.start);
         out
     }
+}
+
+/// Returns the members of a struct, with their types; none for other types.
+fn members(spec: &Spec, ty: TypeId) -> impl Iterator<Item = (&str, TypeId)> {
+    let members = match &spec.ty(spec.resolve_alias(ty)).kind {
+        TypeKind::Struct { members } => &**members,
+        _ => &[],
+    };
+    members.iter().filter_map(|&member| Some((spec.ty(member).name.as_deref()?, member)))
 }
 
 /// Appends the labels of steps that `abort` names.
@@ -370,7 +426,9 @@ fn steps<'s>(list: &'s [Step], each: &mut impl FnMut(&'s Path)) {
 
 fn pred<'s>(predicate: &'s Pred, each: &mut impl FnMut(&'s Path)) {
     match predicate {
-        Pred::Atom(path) | Pred::Leave(path) => each(path),
+        Pred::Atom(path) | Pred::Leave(path) | Pred::Comparison(Comparison { path, .. }) => {
+            each(path)
+        }
         Pred::Not(predicate) => pred(predicate, each),
         Pred::And(one, other) | Pred::Or(one, other) => {
             pred(one, each);

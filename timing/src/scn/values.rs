@@ -92,6 +92,40 @@ pub struct Interval {
 /// A bound: `<= 50 ms`.
 pub type Bound = Option<(u64, Unit)>;
 
+/// The operator of a comparison of data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Operator {
+    Below,
+    AtMost,
+    Above,
+    AtLeast,
+    Equal,
+    Unequal,
+}
+
+impl Operator {
+    /// Returns the operator as scenarios write it.
+    pub fn text(self) -> &'static str {
+        match self {
+            Operator::Below => "<",
+            Operator::AtMost => "<=",
+            Operator::Above => ">",
+            Operator::AtLeast => ">=",
+            Operator::Equal => "==",
+            Operator::Unequal => "!=",
+        }
+    }
+}
+
+/// `COMPONENT.PORT.MEMBER <= 3`: a comparison of data of a port.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Comparison {
+    pub path: Path,
+    pub operator: Operator,
+    /// A number, `true`, `false` or the name of an enumerator.
+    pub operand: Spanned<String>,
+}
+
 /// A predicate.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Pred {
@@ -99,6 +133,7 @@ pub enum Pred {
     Atom(Path),
     /// `leave ATOM`
     Leave(Path),
+    Comparison(Comparison),
     /// `not P`
     Not(Box<Pred>),
     /// `P and Q`
@@ -108,10 +143,10 @@ pub enum Pred {
 }
 
 impl Pred {
-    /// Returns the atoms, and the atoms that are left.
+    /// Returns the atoms, the atoms that are left, and the comparisons.
     pub(crate) fn parts(&self) -> Box<dyn Iterator<Item = &Pred> + '_> {
         match self {
-            Pred::Atom(_) | Pred::Leave(_) => Box::new(std::iter::once(self)),
+            Pred::Atom(_) | Pred::Leave(_) | Pred::Comparison(_) => Box::new(std::iter::once(self)),
             Pred::Not(predicate) => predicate.parts(),
             Pred::And(one, other) | Pred::Or(one, other) => {
                 Box::new(one.parts().chain(other.parts()))
@@ -119,9 +154,20 @@ impl Pred {
         }
     }
 
+    /// Returns the comparisons of data.
+    pub(crate) fn comparisons(&self) -> impl Iterator<Item = &Comparison> {
+        self.parts().filter_map(|part| match part {
+            Pred::Comparison(comparison) => Some(comparison),
+            _ => None,
+        })
+    }
+
     /// Returns normalised text.
     pub fn text(&self) -> String {
         match self {
+            Pred::Comparison(Comparison { path, operator, operand }) => {
+                format!("{} {} {}", path.text(), operator.text(), operand.value)
+            }
             Pred::Atom(path) => path.text(),
             Pred::Leave(path) => format!("leave {}", path.text()),
             Pred::Not(predicate) => match **predicate {

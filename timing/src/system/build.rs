@@ -81,6 +81,7 @@ fn build_with(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> boo
             components: HashMap::new(),
             unrequested: Vec::new(),
             measures: Vec::new(),
+            data: None,
             diagnostics: Vec::new(),
             assumptions: Vec::new(),
             conditions: Vec::new(),

@@ -7,6 +7,7 @@ use dotgen_analysis::model::{Owner, Seconds};
 
 use super::{Automaton, TimedSystem};
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::property::DataFact;
 use crate::scn::ast::Path;
 use crate::system::ground::Condition;
 use crate::system::{ClientId, ComponentId, MachineId, ServiceId, TaskId};
@@ -35,6 +36,8 @@ pub struct Built {
     /// Activities that no client requests, and that have no slots therefore.
     pub unrequested: Vec<Unrequested>,
     pub measures: Vec<Measure>,
+    /// The comparisons of data in checks; `None` where no run supplies data.
+    pub data: Option<Vec<DataFact>>,
     /// Problems found. Without errors, verification goes on.
     pub diagnostics: Vec<Diagnostic>,
     /// Assumptions on which the result depends, in words.

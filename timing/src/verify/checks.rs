@@ -1,7 +1,7 @@
 //! The checks of a scenario, each about a single subject.
 
 use crate::diagnostic::Diagnostic;
-use crate::property::{PropertyKind, resolve};
+use crate::property::{PropertyKind, data, resolve};
 
 use crate::scn::ast::{Bound, ChainKind, ChainPath, Check, CheckKind, Path, Pattern, Pred};
 use crate::scn::names::Names;
@@ -122,6 +122,18 @@ pub(super) fn expand<'c>(
         Ok(all.filter(|task| !periodic || has_period(task)).collect())
     };
     for (written, check) in settings.checks.iter().enumerate() {
+        if whole.data.is_none()
+            && let Some(comparison) = check.kind.comparisons().next()
+        {
+            let errors = check.kind.comparisons();
+            let errors: Vec<_> =
+                errors.filter_map(|of| data::resolve(names, whole, of).err()).collect();
+            if errors.is_empty() {
+                diagnostics.push(data::not_in_model(comparison));
+            }
+            diagnostics.extend(errors);
+            continue;
+        }
         let mut push = |what, components| out.push(Single { check, written, what, components });
         let mut preds = |list: &[&Pred]| -> Vec<usize> {
             let mut components = Vec::new();

@@ -6,7 +6,7 @@ use super::checks::{Single, What, expand};
 use super::{Cancel, Group, Options, SystemInput, events, settings};
 use crate::diagnostic::Diagnostic;
 use crate::explore::{Run, Watched};
-use crate::property::{Monitor, Predicate, resolve};
+use crate::property::{Monitor, Predicate, data, resolve};
 use crate::report::{CheckReport, Event, Report, TimeUnit, to_f64};
 use crate::scn::ast::{Pred, Scenario};
 use crate::scn::names::Names;
@@ -36,6 +36,8 @@ pub struct PreparedCheck {
     /// Report of the check, without an answer.
     pub report: CheckReport,
     pub question: Question,
+    /// Comparisons of data in the check, by number in [`Built::data`].
+    pub data: Vec<usize>,
 }
 
 /// The question of a check, for every moment of a run. Tasks are numbered as in the system.
@@ -67,7 +69,8 @@ pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> P
     let names = Names::new(&input.specs);
     let settings = settings(scenario, options);
     let unit = TimeUnit::of(&settings);
-    let built = build(&names, &settings, &|_| true);
+    let mut built = build(&names, &settings, &|_| true);
+    built.data = Some(data::facts(&names, &built, &settings.checks));
     let mut diagnostics = built.diagnostics.clone();
     let singles = expand(&names, &built, &settings, &mut diagnostics);
     if names.components.is_empty() {
@@ -85,7 +88,12 @@ pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> P
         tell: &|_| {},
     };
     let checks = singles.iter().filter_map(|expand| {
-        Some(PreparedCheck { report: group.open(expand), question: group.question(expand)? })
+        let question = group.question(expand)?;
+        let data = (built.data.iter().flatten().enumerate())
+            .filter(|(_, fact)| data::facts(&names, &built, &[expand.check.clone()]).contains(fact))
+            .map(|(number, _)| number)
+            .collect();
+        Some(PreparedCheck { report: group.open(expand), question, data })
     });
     let checks = checks.collect();
     let chains = singles.iter().filter(|check| matches!(check.what, What::Chain(_)));
@@ -166,7 +174,8 @@ impl Prepared {
     /// Returns what is watched along a run, and for each check its index in [`Watched::reach`],
     /// [`Watched::within`] or [`Watched::monitors`], if it has one.
     pub fn watched(&self) -> (Watched, Vec<Option<usize>>) {
-        let mut out = Watched::default();
+        let facts = self.built.data.iter().flatten().count();
+        let mut out = Watched { facts, ..Watched::default() };
         let mut places = Vec::new();
         for check in &self.checks {
             let mut reach = |predicate: Predicate| {
@@ -174,7 +183,7 @@ impl Prepared {
                 Some(out.reach.len() - 1)
             };
             places.push(match &check.question {
-                Question::Always(p) => reach(Predicate::Not(Box::new(p.clone()))),
+                Question::Always(p) => reach(p.clone().negation()),
                 Question::Reachable(p) | Question::Eventually(p) => reach(p.clone()),
                 Question::Within(p, list, _) => {
                     out.within.push((p.clone(), list.clone()));

@@ -77,7 +77,7 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
     let watched = Watched {
         reach: within.iter().flat_map(|(p, q)| [p, q]).cloned().collect(),
         within: (within.iter().cloned()).map(|(p, q)| (p, vec![q])).collect(),
-        monitors: Vec::new(),
+        ..Watched::default()
     };
     Some(agrees(seed, &system, &watched, &mut dice))
 }

@@ -54,8 +54,15 @@ fn tokens(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Vec<Token>> {
                 Some(TokenType::Comment)
             }
             Kind::Text | Kind::UnclosedText => Some(TokenType::String),
-            Kind::Number => Some(TokenType::Number),
-            Kind::Implies | Kind::Arrow | Kind::AtMost | Kind::AtLeast => Some(TokenType::Operator),
+            Kind::Number | Kind::Real => Some(TokenType::Number),
+            Kind::Implies
+            | Kind::Arrow
+            | Kind::AtMost
+            | Kind::AtLeast
+            | Kind::Below
+            | Kind::Above
+            | Kind::Equal
+            | Kind::Unequal => Some(TokenType::Operator),
             Kind::Name => types.get(&token.range.start).copied().or_else(|| {
                 let is_name =
                     token.range == problem.scenario.name_range || before == Some(Kind::Dot);
@@ -77,7 +84,7 @@ fn type_of(target: &Target) -> TokenType {
         Target::Component(_) => TokenType::Class,
         Target::Task(..) => TokenType::Task,
         Target::Service(..) => TokenType::Method,
-        Target::Port(..) => TokenType::Port,
+        Target::Port(..) | Target::Member(..) => TokenType::Port,
         Target::State(..) => TokenType::Event,
         Target::Codel(..) => TokenType::Function,
         Target::Client(_) | Target::Step(..) => TokenType::Variable,

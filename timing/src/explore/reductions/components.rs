@@ -182,6 +182,6 @@ fn mark(system: &TimedSystem, predicate: &Predicate, about: &mut TiSlice<Compone
         Atom::ControlBusy(component) => about[component] = true,
         Atom::Client(..) => about.fill(true),
         // The predicates of the monitor are asked as well.
-        Atom::Violated(_) => {}
+        Atom::Data { .. } | Atom::Violated(_) => {}
     });
 }

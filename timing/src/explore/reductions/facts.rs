@@ -61,7 +61,7 @@ impl Visible {
                 }
                 Atom::ControlBusy(component) => parts.controls[component] = true,
                 // The predicates of the monitor are asked as well.
-                Atom::Violated(_) => {}
+                Atom::Data { .. } | Atom::Violated(_) => {}
             });
             predicate.atoms(&mut |atom| match *atom {
                 Atom::Task(task, _) | Atom::Tick(task) => tasks[usize::from(task)] = true,
@@ -79,7 +79,7 @@ impl Visible {
                     others = true;
                 }
                 Atom::Handling { .. } | Atom::ControlBusy(_) | Atom::Client(..) => others = true,
-                Atom::Violated(_) => {}
+                Atom::Data { .. } | Atom::Violated(_) => {}
             });
         }
         Visible { tasks, others, parts }

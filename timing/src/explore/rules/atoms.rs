@@ -44,6 +44,9 @@ impl SystemRules<'_> {
                 let period = self.system.tasks[task].period;
                 self.tick(s, usize::from(task)).is_some_and(|(left, _)| Some(left) == period)
             }
+            Atom::Data { fact, negated } => {
+                self.frame().fact(s, fact).is_some_and(|holds| holds != negated)
+            }
             Atom::Violated(monitor) => self.frame().monitor(s, monitor) == monitor::VIOLATED,
         }
     }

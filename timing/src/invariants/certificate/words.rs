@@ -189,6 +189,7 @@ pub(super) fn atom(system: &TimedSystem, names: &Names, atom: &Atom) -> String {
         }
         Atom::ControlBusy(component) => format!("{}.busy", system.components[component].name),
         Atom::Tick(task) => format!("{}.tick", system.task_path(task)),
+        Atom::Data { fact, .. } => format!("data {fact}"),
         Atom::Violated(monitor) => format!("pattern {monitor} is violated"),
         Atom::Client(client, ref steps) => {
             let client = &system.clients[client];

@@ -68,7 +68,7 @@ impl<'f> Finder<'f> {
             Target::Component(_) => CompletionKind::Component,
             Target::Task(..) => CompletionKind::Task,
             Target::Service(..) => CompletionKind::Service,
-            Target::Port(..) => CompletionKind::Port,
+            Target::Port(..) | Target::Member(..) => CompletionKind::Port,
             Target::State(..) | Target::Codel(..) => CompletionKind::Codel,
             Target::Client(_) | Target::Step(..) => CompletionKind::Client,
             Target::Status(_) => CompletionKind::Status,
@@ -147,7 +147,10 @@ impl<'f> Finder<'f> {
         if targets.len() == path.names.len() {
             let target = targets.last();
             for (label, target) in self.names.after(target) {
-                if !matches!(target, Target::Port(..)) {
+                // Outputs have data to compare.
+                let is_input = matches!(target, Target::Port(c, p)
+                    if self.names.components[c].component.ports[p as usize].dir == PortDir::In);
+                if !is_input {
                     self.push(label, &target);
                 }
             }

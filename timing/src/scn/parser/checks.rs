@@ -1,7 +1,9 @@
 //! Checks and predicates.
 
 use super::Parser;
-use crate::scn::ast::{Bound, ChainKind, ChainPath, Check, CheckKind, Pred};
+use crate::scn::ast::{
+    Bound, ChainKind, ChainPath, Check, CheckKind, Comparison, Operator, Path, Pred, Spanned,
+};
 use crate::scn::lexer::Kind;
 
 /// Words that begin a check.
@@ -23,6 +25,21 @@ pub(in crate::scn) const CHECKS: &[&str] = &[
     "before",
     "after",
     "between",
+];
+
+/// Words that may follow a predicate.
+const CONTINUES: &[&str] = &[
+    "and",
+    "or",
+    "then",
+    "in",
+    "after",
+    "for",
+    "until",
+    "precedes",
+    "never",
+    "always",
+    "eventually",
 ];
 
 impl Parser<'_> {
@@ -146,7 +163,46 @@ impl Parser<'_> {
                 parser.expect(Kind::CloseParen, "`)`")?;
                 return Some(pred);
             }
-            Some(Pred::Atom(parser.path()?))
+            let path = parser.path()?;
+            match parser.operator() {
+                Some(operator) => parser.comparison(path, operator),
+                None => Some(Pred::Atom(path)),
+            }
         })
+    }
+
+    /// Returns the operator of a comparison of data at this place. In `P <= 50 ms` the operator limits a time.
+    fn operator(&self) -> Option<Operator> {
+        let operator = match self.peek()? {
+            Kind::Below => Operator::Below,
+            Kind::AtMost => Operator::AtMost,
+            Kind::Above => Operator::Above,
+            Kind::AtLeast => Operator::AtLeast,
+            Kind::Equal => Operator::Equal,
+            Kind::Unequal => Operator::Unequal,
+            _ => return None,
+        };
+        let mut rest = self.tokens.get(self.at + 1..).unwrap_or_default().iter();
+        let is_limit = match rest.next().map(|token| token.kind) {
+            Some(Kind::Number) => rest.next().is_some_and(|token| {
+                token.kind == Kind::Name && !CONTINUES.contains(&&self.text[token.range.clone()])
+            }),
+            Some(Kind::Name | Kind::Real) => false,
+            _ => true,
+        };
+        let can_limit = matches!(operator, Operator::AtMost | Operator::AtLeast);
+        (!(can_limit && is_limit)).then_some(operator)
+    }
+
+    fn comparison(&mut self, path: Path, operator: Operator) -> Option<Pred> {
+        self.at += 1;
+        let range = self.range();
+        if !matches!(self.peek(), Some(Kind::Number | Kind::Real | Kind::Name)) {
+            self.expected("a number, `true`, `false` or an enumerator");
+            return None;
+        }
+        self.at += 1;
+        let operand = Spanned { value: self.text[range.clone()].to_owned(), range };
+        Some(Pred::Comparison(Comparison { path, operator, operand }))
     }
 }

@@ -78,6 +78,7 @@ impl Brute<'_> {
             | Atom::ControlBusy(_)
             | Atom::Client(..)
             | Atom::Tick(_)
+            | Atom::Data { .. }
             | Atom::Violated(_) => {
                 unreachable!("not generated")
             }

@@ -75,6 +75,7 @@ pub(crate) fn predicate(system: &System, written: &Pred) -> Predicate {
             (fact, false) => Predicate::Not(Box::new(Predicate::Is(fact))),
         },
         Pred::Leave(path) => Predicate::Leave(fact(system, path).0),
+        Pred::Comparison(_) => unreachable!("not generated"),
         Pred::Not(negated) => Predicate::Not(Box::new(predicate(system, negated))),
         Pred::And(a, b) => {
             let (a, b) = both(a, b);

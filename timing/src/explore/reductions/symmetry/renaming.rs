@@ -161,6 +161,7 @@ impl Renaming {
             Atom::ControlBusy(component) => Atom::ControlBusy(self.component(component)),
             Atom::Client(client, ref steps) => Atom::Client(self.client(client), steps.clone()),
             Atom::Tick(task) => Atom::Tick(TaskId::from(self.task(usize::from(task)))),
+            Atom::Data { fact, negated } => Atom::Data { fact, negated },
             // An exchange keeps each predicate of the monitor.
             Atom::Violated(monitor) => Atom::Violated(monitor),
         }
