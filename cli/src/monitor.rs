@@ -18,7 +18,7 @@ use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::{Interrupt, SystemInput, prepare};
 
 use super::outputs::{self, Output, PERFETTO};
-use super::run::bounds;
+use super::run::{bounds, check_title};
 use super::session::{display, is_standard_input};
 use super::system_options::SystemOptions;
 use super::verify::diagnostics::ScenarioDiagnostics;
@@ -101,6 +101,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let bounds = bounds::of_tasks(arguments.bounds, &problem, &options, &prepared, &interrupt);
     let names = Names::new(&input.specs);
     let system = &prepared.built.system;
+    let compare = prepared.checks.iter().filter(|check| !check.data.is_empty());
+    for check in compare {
+        report::note(&format!(
+            "not checked: {}; logs have no data, `dotgen run --record` and `dotgen replay` check this",
+            check_title(&check.report)
+        ));
+    }
     // Without execution times the monitor compares no bounds, but uses them for ticks.
     if let Some(note) = bounds::without_times(system, &mut [], true) {
         report::note(&note);

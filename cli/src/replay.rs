@@ -1,5 +1,7 @@
 //! `dotgen replay`
 
+mod data;
+
 use std::io::Write;
 
 use anyhow::bail;
@@ -8,13 +10,14 @@ use clap::{Args, ValueEnum};
 use dotgen_analysis::terminal;
 use dotgen_recording::record;
 use dotgen_recording::replay::{
-    Difference, DifferenceKind, Replay, ReplayReport, Step, with_any_exception,
+    Difference, DifferenceKind, ReplayReport, Step, with_any_exception,
 };
 use dotgen_runtime::refine;
 use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::system::ClientId;
 use dotgen_timing::verify::{Prepared, SystemInput, prepare};
 
+use self::data::DataChecks;
 use super::outputs::MCAP;
 use super::session::display;
 use super::system_options::SystemOptions;
@@ -29,10 +32,12 @@ use super::{Outcome, SpecificationOptions, report};
 /// Each step must be possible in the model at that moment. If a step is not possible, the violated rule is
 /// printed. Undeclared execution times and exceptions of codels are reported, and the comparison goes on.
 ///
+/// Checks that compare data of ports are answered for the recorded run.
+///
 /// A damaged recording is compared up to the damage.
 ///
-/// Exit status: 0 if the recording is a run of the model, 1 if not, or if a codel violates its declaration, 2
-/// if the recording is damaged or nothing could be compared.
+/// Exit status: 0 if the recording is a run of the model, 1 if not, or if a codel violates its declaration or
+/// a check is violated, 2 if the recording is damaged or nothing could be compared.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// A recording (.mcap), and a scenario (.scn) or specifications (.gen)
@@ -104,11 +109,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         );
     }
     let system = with_any_exception(verified);
-    let mut replay = Replay::new(&system, verified, outside);
-    for step in &recorded.steps {
-        replay.step(step);
-    }
-    let report = replay.end(recorded.about.end);
+    let data = DataChecks::read(&prepared, &bytes)?;
+    let (report, judge) = data.replay(&system, outside, &recorded);
+    let checks = data.results(&judge);
     let title = match problem.scenario.name.as_str() {
         "" => display(&problem.path),
         name => name.to_owned(),
@@ -116,6 +119,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     match arguments.format {
         Format::Text => {
             print_text(&title, &recorded.about.scenario, &prepared, &report, damaged)?;
+            data.print(&checks)?;
         }
         Format::Json => {
             let mut document = serde_json::to_value(&report)?;
@@ -124,6 +128,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             document["unit"] = recorded.about.unit.into();
             document["clock"] = recorded.about.clock.into();
             document["breaks-off"] = recorded.broken.is_some().into();
+            if !checks.is_empty() {
+                document["checks"] = serde_json::to_value(&checks)?;
+            }
             if let Some(at) = damaged {
                 document["damaged-at"] = at.into();
             }
@@ -133,7 +140,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     Ok(match report.difference_count {
         _ if damaged.is_some() => Outcome::Unusable,
-        0 => Outcome::Fine,
+        0 if checks.iter().all(|check| check.violations == 0) => Outcome::Fine,
         _ => Outcome::Errors,
     })
 }

@@ -38,6 +38,8 @@ use super::outputs::{self, MCAP, Output, PERFETTO, VIEWER};
 use super::system_options::SystemOptions;
 use super::verify::{body, interrupt, problems};
 use super::{Outcome, SpecificationOptions, report, session};
+pub(super) use text::check_title;
+
 use scenario::{Ended, one};
 
 /// Run components and watch the checks of a scenario

@@ -3,6 +3,7 @@
 mod build;
 mod cli;
 mod conventions;
+mod data;
 mod debug;
 #[path = "support/directory.rs"]
 mod directory;

@@ -266,6 +266,8 @@ pub struct Message {
     pub channel: u16,
     /// Time in nanoseconds.
     pub at: u64,
+    /// Number of the last step before.
+    pub after: u32,
     /// Value as JSON. A value that is not an object is the member `value` of one.
     pub text: Vec<u8>,
 }
@@ -277,15 +279,21 @@ pub struct Message {
 /// Returns a message if the bytes are not a recording.
 pub fn read_data(bytes: &[u8]) -> Result<PortRecording, String> {
     let mut out = PortRecording::default();
+    let (mut steps, mut after) = (None, 0);
     out.broken = records::each(bytes, &mut |record| {
         match record {
-            Record::Channel(channel) if channel.topic != STEPS => {
+            Record::Channel(channel) if channel.topic == STEPS => steps = Some(channel.id),
+            Record::Channel(channel) => {
                 out.topics.insert(channel.id, channel.topic);
+            }
+            Record::Message { header, .. } if steps == Some(header.channel_id) => {
+                after = header.sequence;
             }
             Record::Message { header, data } if out.topics.contains_key(&header.channel_id) => {
                 out.messages.push(Message {
                     channel: header.channel_id,
                     at: header.log_time,
+                    after,
                     text: data.into_owned(),
                 });
             }

@@ -95,8 +95,12 @@ pub struct Replay<'s> {
     waited: Vec<bool>,
     possible: Possible,
     seen: Vec<Seen>,
+    /// Receives the events of the run, and moments at which time has passed.
+    observe: &'s mut dyn FnMut(&Stepper<'_>, Option<&Seen>),
     /// The state of the run is unknown.
     lost: bool,
+    /// Components are being shut down.
+    ending: bool,
     report: ReplayReport,
 }
 
@@ -111,9 +115,16 @@ pub fn with_any_exception(system: &TimedSystem) -> TimedSystem {
 
 impl<'s> Replay<'s> {
     /// Creates a replay. `system` is the [form with any exception](with_any_exception) of the `verified`
-    /// system. Clients from `outside` on stand for requests from outside.
-    pub fn new(system: &'s TimedSystem, verified: &TimedSystem, outside: Option<ClientId>) -> Self {
-        let mut stepper = Stepper::new(system, &Watched::default());
+    /// system. Clients from `outside` on stand for requests from outside. `observe` receives the events of
+    /// `watched` until components are shut down, and without an event each moment at which time has passed.
+    pub fn new(
+        system: &'s TimedSystem,
+        verified: &TimedSystem,
+        outside: Option<ClientId>,
+        watched: &Watched,
+        observe: &'s mut dyn FnMut(&Stepper<'_>, Option<&Seen>),
+    ) -> Self {
+        let mut stepper = Stepper::new(system, watched);
         let mut seen = Vec::new();
         stepper.begin(&mut seen);
         let executors = stepper.executors();
@@ -138,9 +149,16 @@ impl<'s> Replay<'s> {
             system,
             stepper,
             seen,
+            observe,
+            ending: false,
         };
         out.look();
         out
+    }
+
+    /// Sets a comparison of data, from the next step on.
+    pub fn set_fact(&mut self, fact: usize, holds: bool) {
+        self.stepper.set_fact(fact, holds);
     }
 
     /// Replays the next recorded step.
@@ -152,6 +170,7 @@ impl<'s> Replay<'s> {
         match step.rule {
             Rule::Abort => return self.abort(step),
             Rule::Stop => {
+                self.ending = true;
                 self.stepper.shut_down();
                 self.report.followed += 1;
                 return;
@@ -305,7 +324,10 @@ impl<'s> Replay<'s> {
             let before: Vec<_> =
                 executors.map(|executor| window(&self.stepper, executor)).collect();
             self.stepper.pass(jump, &mut self.seen);
-            self.seen.clear();
+            self.look();
+            if !self.ending {
+                (self.observe)(&self.stepper, None);
+            }
             for (executor, before) in before.into_iter().enumerate() {
                 // Without a greatest time, the window does not show whether the work progressed.
                 let known = before.filter(|window| window.1 != FOREVER);
@@ -376,6 +398,9 @@ impl<'s> Replay<'s> {
     fn look(&mut self) {
         let now = self.stepper.now();
         for observation in self.seen.drain(..) {
+            if !self.ending {
+                (self.observe)(&self.stepper, Some(&observation));
+            }
             if let Seen::Begun { executor, time, .. } = observation
                 && let Some(begun) = self.begun.get_mut(executor)
             {

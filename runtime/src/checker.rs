@@ -175,7 +175,7 @@ impl<'p> RunChecker<'p> {
     }
 
     /// Records an event.
-    pub(crate) fn on_event(&mut self, stepper: &Stepper, seen: &Seen) {
+    pub fn on_event(&mut self, stepper: &Stepper, seen: &Seen) {
         let now = Moment { run: self.run, time: stepper.now() };
         self.note_data(stepper);
         match *seen {

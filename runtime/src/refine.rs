@@ -1,5 +1,6 @@
 //! The adaptation of a system to real codels: the rules are the same, but real codels may do more.
 
+use dotgen_timing::property::Monitor;
 use dotgen_timing::system::{
     Client, ClientAction, ClientId, ClientStep, CodelId, FOREVER, Ticks, TimedSystem,
 };
@@ -40,10 +41,11 @@ pub fn scale(prepared: &mut Prepared) -> Ticks {
     }
     system.unit /= Ratio::from_integer(i128::from(factor));
     for check in &mut prepared.checks {
-        if let Question::Response(_, Some(limit)) | Question::Within(_, _, Some(limit)) =
-            &mut check.question
-        {
-            *limit = limit.saturating_mul(factor);
+        match &mut check.question {
+            Question::Response(_, Some(time))
+            | Question::Within(_, _, Some(time))
+            | Question::Pattern(Monitor { time, .. }) => *time = time.saturating_mul(factor),
+            _ => {}
         }
     }
     factor

@@ -262,7 +262,7 @@ fn title(outcome: &CheckOutcome) -> String {
 }
 
 /// Returns the name of a check of a run that goes on.
-pub(super) fn check_title(check: &CheckReport) -> String {
+pub(crate) fn check_title(check: &CheckReport) -> String {
     titled(check.name.as_deref(), check.kind, &check.of)
 }
 

@@ -49,6 +49,12 @@ impl DataFact {
             Operator::Unequal => order.is_ne(),
         })
     }
+
+    /// Returns true if the comparison holds of the data in a message of a recording, which is an object: the
+    /// member `value` has any other value.
+    pub fn holds_in_message(&self, message: &Value) -> bool {
+        self.holds(if self.members.is_empty() { &message["value"] } else { message })
+    }
 }
 
 /// Returns an order for values that are only equal or not.
@@ -68,7 +74,7 @@ fn order(number: &Number, operand: &str) -> Option<Ordering> {
 pub(crate) fn not_in_model(comparison: &Comparison) -> Diagnostic {
     let message = format!(
         "not verified: `{}` is data, which the timed model does not have; `dotgen run` \
-         checks this",
+         and `dotgen replay` check this",
         comparison.path.text()
     );
     Diagnostic::warning("scn-data", comparison.path.range(), message)

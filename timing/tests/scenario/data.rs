@@ -39,7 +39,7 @@ fn comparisons_are_not_verified_and_the_other_checks_are() {
     assert_eq!(
         summary(&report),
         "scn-data: not verified: `tank.state.level` is data, which the timed model does not have; `dotgen run` \
-         checks this\nschedulable tank.keep Proved\n"
+         and `dotgen replay` check this\nschedulable tank.keep Proved\n"
     );
     assert_eq!(prepared.report.diagnostics, []);
     let shown = |check: usize| &prepared.checks[check].report.of;

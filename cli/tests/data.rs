@@ -1,0 +1,119 @@
+//! Checks that compare the data of ports: executed codels are checked, the model and simulations are not.
+
+use serde_json::Value;
+
+use crate::directory::{Directory, status, stderr, stdout};
+use crate::running::json_of;
+
+const TANK: &str = r#"
+enum mode { IDLE, FILLING };
+struct levels { double level; mode now; };
+component tank {
+  version "1"; lang "c";
+  ids { double raw; };
+  port out levels state;
+  task keep {
+    period 10 ms;
+    codel<start> begin(out raw) yield pause::fill wcet 1 ms;
+    codel<fill> pour(inout raw, port out state) yield pause::fill wcet 1 ms;
+  };
+};
+"#;
+
+/// The level rises by a quarter each 10 ms, from the second cycle.
+const CODELS: &str = r#"
+#include "actank.h"
+#include "tank_c_types.h"
+
+genom_event begin(double *raw, const genom_context self)
+{
+  (void)self;
+  *raw = 0.;
+  return tank_pause_fill;
+}
+
+genom_event pour(double *raw, const tank_state *state, const genom_context self)
+{
+  *raw += .25;
+  state->data(self)->level = *raw;
+  state->data(self)->now = *raw > 1. ? FILLING : IDLE;
+  state->write(self);
+  return tank_pause_fill;
+}
+"#;
+
+const SCENARIO: &str = "scenario s {
+  use \"tank.gen\";
+  check deadlines: schedulable *;
+  check low: never tank.state.level > 3;
+  check high: never tank.state.level > 30.5;
+  check grows: always tank.state.now == FILLING => tank.state.level > 1;
+  check soon: within tank.state.level >= 1 => tank.state.now == FILLING <= 15 ms;
+  check order: tank.state.level == 1 precedes tank.state.now == FILLING;
+  check empty: reachable tank.state.level < 0;
+}
+";
+
+fn tank() -> Directory {
+    Directory::new(&[("tank.gen", TANK), ("codels/tank.c", CODELS), ("s.scn", SCENARIO)])
+}
+
+fn verdicts(report: &Value) -> Vec<String> {
+    let checks = report["checks"].as_array().expect("a list").iter();
+    let word = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+    checks.map(|check| format!("{} {}", word(&check["name"]), word(&check["verdict"]))).collect()
+}
+
+/// The results of the checks that compare data.
+const RESULTS: &[&str] =
+    &["low violated", "high kept", "grows kept", "soon kept", "order kept", "empty not-seen"];
+
+#[test]
+#[cfg(target_os = "linux")]
+fn data_are_checked_in_a_run_and_in_its_replay() {
+    if !crate::running::compilers() {
+        return;
+    }
+    let directory = tank();
+    let options = "run s.scn --bounds none --until 1s --format json --record run.mcap";
+    let output = directory.run(&options.split(' ').collect::<Vec<_>>());
+    assert_eq!(status(&output), 1, "{}", stderr(&output));
+    let report = json_of(&output);
+    assert_eq!(verdicts(&report)[1..], *RESULTS, "{report:#}");
+    // The level is 3.25 at the end of the 13th codel, which begins at 140 ms.
+    let at = report["checks"][1]["at"]["time"].as_f64().expect("a time");
+    assert!((140.0..=141.0).contains(&at), "{at}");
+    let output = directory.run(&["replay", "run.mcap", "s.scn", "--format", "json"]);
+    assert_eq!(status(&output), 1, "{}", stderr(&output));
+    let replayed = json_of(&output);
+    assert_eq!(replayed["difference-count"], 0, "{replayed:#}");
+    assert_eq!(verdicts(&replayed), *RESULTS, "{replayed:#}");
+    assert_eq!(replayed["checks"][0]["at"].as_f64(), Some(at), "{replayed:#}");
+    let words = stdout(&directory.run(&["replay", "run.mcap", "s.scn"]));
+    assert!(words.contains("violated at 140 ms low: always"), "{words}");
+}
+
+#[test]
+fn without_data_nothing_is_said_of_them() {
+    let directory = tank();
+    let output = directory.run(&["verify", "s.scn", "--format", "json"]);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    assert_eq!(verdicts(&json_of(&output)), ["deadlines proved"]);
+    let told = stderr(&directory.run(&["verify", "s.scn"]));
+    assert_eq!(told.matches("scn-data").count(), 6, "{told}");
+    assert!(told.contains("s.scn:4:20"), "{told}");
+
+    let options = "run s.scn --simulate all --until 1s --format json --record run.mcap";
+    let output = directory.run(&options.split(' ').collect::<Vec<_>>());
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    let report = json_of(&output);
+    for check in report["checks"].as_array().expect("a list").iter().skip(1) {
+        assert_eq!(check["verdict"], "not-exercised", "{check:#}");
+        let why = "tank.state has no data: no codel that writes it is executed";
+        assert_eq!(check["why"], why);
+    }
+    let output = directory.run(&["replay", "run.mcap", "s.scn", "--format", "json"]);
+    let replayed = json_of(&output);
+    assert_eq!(status(&output), 0, "{replayed:#}");
+    assert_eq!(replayed["checks"][0]["why"], "the recording has no data of tank.state");
+}
