@@ -38,6 +38,8 @@ use super::outputs::{self, MCAP, Output, PERFETTO, VIEWER};
 use super::system_options::SystemOptions;
 use super::verify::{body, interrupt, problems};
 use super::{Outcome, SpecificationOptions, report, session};
+use dotgen_views::verification::Problem;
+use dotgen_views::verification::problem::weights;
 pub(super) use text::check_title;
 
 use scenario::{Ended, one};
@@ -151,7 +153,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     seed: u64,
 
-    /// Draw yields of simulated codels by weights: a file of `OWNER::COMP_STATE::COMP_STATE COUNT`
+    /// Draw yields of simulated codels by weights: a file of `OWNER::COMP_STATE::COMP_STATE COUNT`, instead of
+    /// that of the scenario
     #[arg(long, value_name = "FILE")]
     weights: Option<Utf8PathBuf>,
 
@@ -574,9 +577,17 @@ impl Arguments {
     }
 
     /// Reads the weights of yields, and names the lines that the system does not have.
-    fn read_weights(&self, prepared: &Prepared) -> anyhow::Result<Option<Weights>> {
-        let Some(path) = &self.weights else { return Ok(None) };
-        let text = session::text(path, 1)?;
+    fn read_weights(
+        &self,
+        prepared: &Prepared,
+        problem: &Problem,
+    ) -> anyhow::Result<Option<Weights>> {
+        let named =
+            || weights(&problem.scenario, &problem.path).map(|path| session::display(&path));
+        let Some(path) = self.weights.clone().or_else(|| named().map(Utf8PathBuf::from)) else {
+            return Ok(None);
+        };
+        let text = session::text(&path, 1)?;
         let at = |bad: &BadLine| format!("{path}:{}: {}", bad.line, bad.what);
         let (weights, unknown) = Weights::parse(&text, &prepared.built.system)
             .map_err(|bad| anyhow::anyhow!("{}", at(&bad)))?;

@@ -221,7 +221,8 @@ impl<'p> RunChecker<'p> {
         }
     }
 
-    /// Notes the comparisons of data that have become known. A check that lacked one is exercised from here on.
+    /// Notes the comparisons of data that have become known. From here on, a check that lacked one is
+    /// exercised.
     fn note_data(&mut self, stepper: &Stepper) {
         let fresh = |fact: &usize| !self.known[*fact] && stepper.knows_fact(*fact);
         let fresh: Vec<usize> = (0..self.known.len()).filter(fresh).collect();

@@ -6,7 +6,7 @@ pub(crate) mod monitor;
 pub mod predicate;
 pub(crate) mod resolve;
 
-pub use data::DataFact;
+pub use crate::system::data::DataFact;
 pub use kind::PropertyKind;
 pub use monitor::Monitor;
 pub use predicate::{Atom, Predicate, SlotStatus, StatePhase, TaskState};

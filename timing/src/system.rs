@@ -8,6 +8,7 @@
 
 pub mod build;
 pub mod chain;
+pub mod data;
 pub(crate) mod flow;
 pub mod ground;
 mod ids;

@@ -32,6 +32,7 @@ r.numbers = {
   patterns: [
     match(re`\b(\d+)\s*(s|ms|us)\b`, 'constant.numeric.integer', 'keyword.other.unit'),
     match(re`(\])\s*(s|ms|us)\b`, 'punctuation.section.interval.end', 'keyword.other.unit'),
+    token('constant.numeric.float', re`-?\b\d+\.\d+(?:[eE][+-]?\d+)?\b`),
     token('constant.numeric.integer', re`\b\d+\b`),
     token('constant.language.unbounded', re`\*`),
     token('punctuation.section.interval.begin', re`\[`),
@@ -59,7 +60,7 @@ r.string = { name: 'string.quoted.double' + SUFFIX, begin: '"', end: '"|$' };
 r.items = {
   patterns: [
     ...include('comments'),
-    statement(re`\b(use|times)\b`, ['keyword.control.import'], include('string')),
+    statement(re`\b(use|times|weights)\b`, ['keyword.control.import'], include('string')),
     choice('unit', '(?!)'),
     choice('cores', 'free'),
     choice('policy', 'priority|fair|fifo|edf|any'),
@@ -82,7 +83,8 @@ r.items = {
     statement(re`\b(check)\b(?:\s+(${ID})\s*(:))?`, ['keyword.control.check', 'entity.name.label', 'punctuation.separator.label'], [
       token('support.function.check', re`\b(?:schedulable|response|within|reaction|age|leadsto|eventually|always|never|reachable|deadlock|absent|lasts|precedes|before|after|between)\b(?!\s*\.)|\bno-overdue\b`),
       token('keyword.operator.word', re`\b(?:and|or|not|leave|then|via|in|for|until)\b(?!\s*\.)`),
-      token('keyword.operator', '=>|->|<=|>='),
+      token('keyword.operator', '=>|->|[<>]=?|[=!]='),
+      token('constant.language.boolean', re`\b(?:true|false)\b`),
       ...include('numbers', 'path'),
     ]),
   ],

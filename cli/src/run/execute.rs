@@ -142,7 +142,7 @@ impl Context<'_, '_> {
         prepared: &Prepared,
         files: &mut Files<'_>,
     ) -> anyhow::Result<Run> {
-        let weights = arguments.read_weights(prepared)?;
+        let weights = arguments.read_weights(prepared, self.problem)?;
         let plan = arguments.plan(prepared, weights.as_ref());
         let system = &prepared.built.system;
         let mut profile = self.profile(prepared, files.runs.as_mut(), None, None)?;
@@ -365,7 +365,7 @@ impl Context<'_, '_> {
             None
         };
         let server = serving.as_ref().map(|start| &start.server);
-        let weights = arguments.read_weights(&opened)?;
+        let weights = arguments.read_weights(&opened, self.problem)?;
         let plan = arguments.plan(&opened, weights.as_ref());
         let grown = |ticks: &Option<Ticks>| ticks.map(|tick| tick.saturating_mul(factor));
         let bounds: Vec<_> = self.bounds.iter().map(grown).collect();

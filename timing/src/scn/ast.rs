@@ -108,6 +108,8 @@ pub enum Item {
     Use(Spanned<String>),
     /// `times "FILE.wcet";`
     Times(Spanned<String>),
+    /// `weights "FILE.proba";`
+    Weights(Spanned<String>),
     /// `unit 1 ms;`
     Unit(u64, Unit),
     /// `cores 4;`; `None`: `free`.

@@ -37,7 +37,7 @@ pub fn outline(text: &str, scenario: &Scenario) -> Vec<Entry> {
     let mut children = Vec::new();
     for item in &scenario.items {
         match item {
-            Item::Use(file) | Item::Times(file) => children.push(Entry {
+            Item::Use(file) | Item::Times(file) | Item::Weights(file) => children.push(Entry {
                 name: file.value.clone(),
                 kind: EntryKind::File,
                 range: file.range.clone(),

@@ -40,6 +40,12 @@ const WORDS: &[Word] = &[
         "A file with the functions of codels and their worst cases in seconds, for codels without a `wcet` and \
          without a `duration`. `NAME.wcet` next to `NAME.gen` needs no `times`.",
     ),
+    word(
+        "weights",
+        "weights \"FILE.proba\";",
+        "A file with how often each transition was taken: `dotgen run` draws the yields of simulated codels by it. \
+         Verification does not use it.",
+    ),
     word("unit", "unit 10 us;", "Unit of results (default 1 ms); durations are rounded up to it."),
     word("cores", "cores 4;  cores free;", "Number of cores. `free` (default): one core per task."),
     word(

@@ -7,8 +7,8 @@ use dotgen_analysis::model::{Owner, Seconds};
 
 use super::{Automaton, TimedSystem};
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::property::DataFact;
 use crate::scn::ast::Path;
+use crate::system::data::DataFact;
 use crate::system::ground::Condition;
 use crate::system::{ClientId, ComponentId, MachineId, ServiceId, TaskId};
 

@@ -94,7 +94,7 @@ impl Settings {
         };
         for item in &scenario.items {
             match item.clone() {
-                Item::Use(_) | Item::Times(_) => {}
+                Item::Use(_) | Item::Times(_) | Item::Weights(_) => {}
                 Item::Unit(count, unit) => out.unit = Some((count, unit)),
                 Item::Cores(cores) => out.cores = cores,
                 Item::Semantics(preset) => out.preset = preset,

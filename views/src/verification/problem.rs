@@ -63,10 +63,19 @@ pub fn used(scenario: &Scenario, path: &Utf8Path) -> Vec<UsedFile> {
     })
 }
 
-/// All files that a scenario names: specifications, and files of execution times.
+/// The last file of weights that a scenario names.
+pub fn weights(scenario: &Scenario, path: &Utf8Path) -> Option<Utf8PathBuf> {
+    let named = files(scenario, path, |item| match item {
+        Item::Weights(name) => Some(name),
+        _ => None,
+    });
+    named.into_iter().next_back().map(|file| file.path)
+}
+
+/// All files that a scenario names: specifications, files of execution times and of weights.
 pub fn named(scenario: &Scenario, path: &Utf8Path) -> Vec<UsedFile> {
     files(scenario, path, |item| match item {
-        Item::Use(name) | Item::Times(name) => Some(name),
+        Item::Use(name) | Item::Times(name) | Item::Weights(name) => Some(name),
         _ => None,
     })
 }

@@ -171,7 +171,8 @@ impl Parser<'_> {
         })
     }
 
-    /// Returns the operator of a comparison of data at this place. In `P <= 50 ms` the operator limits a time.
+    /// Returns the operator of a comparison of data at this place. In `P <= 50 ms` the operator limits a
+    /// time.
     fn operator(&self) -> Option<Operator> {
         let operator = match self.peek()? {
             Kind::Below => Operator::Below,

@@ -10,6 +10,7 @@ use crate::scn::semantics::{LockRule, PauseRule, PortRule, Preset, TickRule, Tur
 pub(in crate::scn) const ITEMS: &[&str] = &[
     "use",
     "times",
+    "weights",
     "unit",
     "semantics",
     "cores",
@@ -99,6 +100,7 @@ impl Parser<'_> {
         let item = match word {
             "use" => Item::Use(self.file("the name of a `.gen` file in quotes")?),
             "times" => Item::Times(self.file("the name of a `.wcet` file in quotes")?),
+            "weights" => Item::Weights(self.file("the name of a `.proba` file in quotes")?),
             "unit" => {
                 let count = self.number()?;
                 let range = self.range();
