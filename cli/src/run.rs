@@ -153,8 +153,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     seed: u64,
 
-    /// Draw yields of simulated codels by weights: a file of `OWNER::COMP_STATE::COMP_STATE COUNT`, instead of
-    /// that of the scenario
+    /// Draw yields of simulated codels by weights: a file of `OWNER::COMP_STATE::COMP_STATE COUNT`, instead
+    /// of that of the scenario
     #[arg(long, value_name = "FILE")]
     weights: Option<Utf8PathBuf>,
 
