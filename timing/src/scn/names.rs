@@ -427,7 +427,7 @@ fn steps<'s>(list: &'s [Step], each: &mut impl FnMut(&'s Path)) {
 fn pred<'s>(predicate: &'s Pred, each: &mut impl FnMut(&'s Path)) {
     match predicate {
         Pred::Atom(path) | Pred::Leave(path) | Pred::Comparison(Comparison { path, .. }) => {
-            each(path)
+            each(path);
         }
         Pred::Not(predicate) => pred(predicate, each),
         Pred::And(one, other) | Pred::Or(one, other) => {
