@@ -42,6 +42,8 @@ module.exports = grammar({
   name: 'genom3_scenario',
 
   word: ($) => $.identifier,
+  // `tank.level <= 5 and` compares, `tank.keep <= 5 ms` limits a time.
+  conflicts: ($) => [[$._factor, $.comparison]],
 
   extras: ($) => [/[ \t\r\n\f\uFEFF]/, $.comment],
 
@@ -57,6 +59,7 @@ module.exports = grammar({
       choice(
         $.use,
         $.times_file,
+        $.weights_file,
         $.unit_setting,
         $.cores,
         $.affinity,
@@ -72,6 +75,7 @@ module.exports = grammar({
 
     use: ($) => seq('use', field('file', $.string), ';'),
     times_file: ($) => seq('times', field('file', $.string), ';'),
+    weights_file: ($) => seq('weights', field('file', $.string), ';'),
     unit_setting: ($) => seq('unit', field('value', $.number), field('unit', $.unit), ';'),
     cores: ($) => seq('cores', field('count', choice($.number, alias('free', $.choice_word))), ';'),
     affinity: ($) => seq('affinity', field('task', $.path), field('core', $.number), ';'),
@@ -189,7 +193,13 @@ module.exports = grammar({
     _formula: ($) => choice($._predicate, $.implies),
     implies: ($) => seq(field('left', $._predicate), '=>', field('right', $._formula)),
     _predicate: ($) => choice($.or, $.and, $._factor),
-    _factor: ($) => choice($.not, $.leave, $.parentheses, $.path),
+    _factor: ($) => choice($.not, $.leave, $.parentheses, $.comparison, $.path),
+    comparison: ($) =>
+      seq(
+        field('left', $.path),
+        field('operator', choice('<', '<=', '>', '>=', '==', '!=')),
+        field('right', choice($.number, $.real, $.identifier)),
+      ),
     or: ($) => prec.left(1, seq(field('left', $._predicate), 'or', field('right', $._predicate))),
     and: ($) => prec.left(2, seq(field('left', $._predicate), 'and', field('right', $._predicate))),
     not: ($) => prec(3, seq('not', field('operand', $._predicate))),
@@ -210,6 +220,7 @@ module.exports = grammar({
 
     identifier: () => /[A-Za-z_][A-Za-z0-9_]*|no-overdue/,
     number: () => /[0-9]+/,
+    real: () => /-[0-9]+|-?[0-9]+\.[0-9]+([eE][+-]?[0-9]+)?/,
     string: () => /"[^"\n]*"/,
     comment: () => token(choice(/\/\/[^\n]*/, /\/\*[^*]*\*+([^/*][^*]*\*+)*\//)),
   },

@@ -3,16 +3,17 @@
 (comment) @comment
 (string) @string.special.path
 (number) @number
+(real) @number
 (unit) @keyword.modifier
 (choice_word) @constant.builtin
 ["{" "}" "[" "]" "(" ")"] @punctuation.bracket
 [";" "," "." ":"] @punctuation.delimiter
-["=>" "->" "<=" ">="] @operator
+["=>" "->" "<" "<=" ">" ">=" "==" "!="] @operator
 "*" @constant.builtin
 
 ["scenario" "client"] @keyword.type
 (measure "on" @keyword.type)
-["use" "times"] @keyword.import
+["use" "times" "weights"] @keyword.import
 [
   "unit" "cores" "affinity" "duration" "loop" "connect" "slots" "semantics" "policy" "durations" "ticks" "turns" "locks"
   "ports" "order" "async" "aperiodic" "exceptions" "idle" "check"
@@ -39,3 +40,4 @@
 (label) @label
 (path . (identifier) @module)
 (path (identifier) (identifier) @variable.member)
+(comparison right: (identifier) @constant)
