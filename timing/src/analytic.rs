@@ -418,8 +418,8 @@ impl<'s> Analysis<'s> {
         Some(Jobs { period, work, kind, released: Some(u64::MAX) })
     }
 
-    /// Returns the jobs of another task in a window that begins at most `width` after the release of a job: if
-    /// both tasks are released at their ticks, the times since the last tick of the other one are known.
+    /// Returns the jobs of another task in a window that begins at most `width` after the release of a job.
+    /// If both tasks are released at their ticks, the times since the last tick of the other one are known.
     fn in_phase(&self, task: TaskId, other: TaskId, jobs: Jobs, width: u64) -> Jobs {
         let (Kind::Punctual(response), Some(period)) = (jobs.kind, self.system.tasks[task].period)
         else {

@@ -90,7 +90,9 @@ pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> P
     let checks = singles.iter().filter_map(|expand| {
         let question = group.question(expand)?;
         let data = (built.data.iter().flatten().enumerate())
-            .filter(|(_, fact)| data::facts(&names, &built, std::slice::from_ref(expand.check)).contains(fact))
+            .filter(|(_, fact)| {
+                data::facts(&names, &built, std::slice::from_ref(expand.check)).contains(fact)
+            })
             .map(|(number, _)| number)
             .collect();
         Some(PreparedCheck { report: group.open(expand), question, data })

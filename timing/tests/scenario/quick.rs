@@ -79,6 +79,66 @@ fn a_task_that_may_be_late_can_have_a_second_job_at_once() {
     ");
 }
 
+/// Tasks of one period that write the same data, for nine tenths of the period together.
+const SAME_TICKS: &str = r#"
+component flight {
+  version "1"; lang "c";
+  ids { long a; };
+  task control {
+    period 10 ms;
+    codel <start> control_start() yield main wcet 0 ms;
+    codel <main> control_main(inout a) yield pause::main wcet 1 ms;
+  };
+  task filter {
+    period 10 ms;
+    codel <start> filter_start() yield main wcet 0 ms;
+    codel <main> filter_main(inout a) yield pause::main wcet 6 ms;
+  };
+  task plan {
+    period 20 ms;
+    codel <start> plan_start() yield main wcet 0 ms;
+    codel <main> plan_main(inout a) yield pause::main wcet 2 ms;
+  };
+};
+"#;
+
+#[test]
+fn of_tasks_with_the_same_ticks_no_job_counts_twice() {
+    let expected = "flight.control 9\nflight.filter 9\nflight.plan 9\n";
+    assert_eq!(bounds(SAME_TICKS, ""), expected);
+    // With as many cores as tasks, no job waits for one.
+    assert_eq!(bounds(SAME_TICKS, "cores 3;"), expected);
+}
+
+/// A task without a period that executes an activity for a client.
+const APERIODIC: &str = r#"
+component arm {
+  version "1"; lang "c";
+  ids { long a; };
+  task control { period 10 ms; codel <start> control_main(inout a) yield pause::start wcet 1 ms; };
+  task work { };
+  activity plan() {
+    task work;
+    codel <start> plan_start(inout a) yield write wcet 3 ms;
+    codel <write> plan_write(inout a) yield ether wcet 1 ms;
+  };
+};
+"#;
+
+#[test]
+fn activities_without_a_period_count_with_the_requests_of_a_window() {
+    let client = |steps: &str| bounds(APERIODIC, &format!("client c {{ {steps} }}"));
+    assert_eq!(client("send arm.plan;"), "arm.control 5\narm.work 5\n");
+    // Two requests can be under way together, and each is executed once.
+    assert_eq!(client("send arm.plan; send arm.plan;"), "arm.control 9\narm.work 10\n");
+    assert_eq!(
+        client("repeat * { send arm.plan; await ended; delay 20 ms; }"),
+        "arm.control 5\narm.work 5\n"
+    );
+    // Any number of requests in no time.
+    assert_eq!(client("repeat * { send arm.plan; await ended; }"), "arm.control -\narm.work 7\n");
+}
+
 /// Activities that take 4 and 5 of 10 ms.
 const ACTIVITIES: &str = r#"
 component arm {
