@@ -1,6 +1,6 @@
 //! `dotgen replay`
 
-mod data;
+mod checks;
 
 use std::io::Write;
 
@@ -17,7 +17,7 @@ use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::system::ClientId;
 use dotgen_timing::verify::{Prepared, SystemInput, prepare};
 
-use self::data::DataChecks;
+use self::checks::RecordedChecks;
 use super::outputs::MCAP;
 use super::session::display;
 use super::system_options::SystemOptions;
@@ -32,7 +32,7 @@ use super::{Outcome, SpecificationOptions, report};
 /// Each step must be possible in the model at that moment. If a step is not possible, the violated rule is
 /// printed. Undeclared execution times and exceptions of codels are reported, and the comparison goes on.
 ///
-/// Checks that compare data of ports are answered for the recorded run.
+/// The checks of the scenario are answered for the recorded run, also those that compare data of ports.
 ///
 /// A damaged recording is compared up to the damage.
 ///
@@ -109,9 +109,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         );
     }
     let system = with_any_exception(verified);
-    let data = DataChecks::read(&prepared, &bytes)?;
-    let (report, judge) = data.replay(&system, outside, &recorded);
-    let checks = data.results(&judge);
+    let recorded_checks = RecordedChecks::read(&prepared, &bytes)?;
+    let (report, judge) = recorded_checks.replay(&system, outside, &recorded);
+    let checks = recorded_checks.results(&judge, recorded.about.simulated);
     let title = match problem.scenario.name.as_str() {
         "" => display(&problem.path),
         name => name.to_owned(),
@@ -119,7 +119,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     match arguments.format {
         Format::Text => {
             print_text(&title, &recorded.about.scenario, &prepared, &report, damaged)?;
-            data.print(&checks)?;
+            recorded_checks.print(&checks)?;
         }
         Format::Json => {
             let mut document = serde_json::to_value(&report)?;

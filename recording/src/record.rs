@@ -39,6 +39,8 @@ pub struct RunInfo {
     pub clock: String,
     /// Some clients stand for requests from outside.
     pub outside: bool,
+    /// Some codels were simulated: the recording says nothing about the program.
+    pub simulated: bool,
     /// End of the run, in units.
     pub end: u64,
 }
@@ -52,6 +54,7 @@ impl RunInfo {
             (text("unit"), self.unit.clone()),
             (text("clock"), self.clock.clone()),
             (text("outside"), self.outside.to_string()),
+            (text("simulated"), self.simulated.to_string()),
         ]);
         if ended {
             metadata.insert(text("end"), self.end.to_string());
@@ -243,6 +246,7 @@ pub fn read(bytes: &[u8]) -> Result<Recording, String> {
         unit: text("unit"),
         clock: text("clock"),
         outside: text("outside") == "true",
+        simulated: text("simulated") != "false",
         end: text("end").parse().unwrap_or(last),
     };
     Ok(out)

@@ -148,7 +148,7 @@ impl Context<'_, '_> {
         let mut profile = self.profile(prepared, files.runs.as_mut(), None, None)?;
         let interrupted = || self.interrupt.is_raised();
         let bounds = self.bounds.clone();
-        let mut recording = self.recording(files.recording.take(), prepared, false)?;
+        let mut recording = self.recording(files.recording.take(), prepared, false, &|_| false)?;
         // Files are written in the order of the runs, and a violation may end them.
         let in_parts = profile.is_none() && recording.is_none() && !plan.stop_at_violation;
         let mut parts = progress::during(None, &self.doing(), |_| {
@@ -214,6 +214,7 @@ impl Context<'_, '_> {
         file: Option<AppendedFile>,
         prepared: &'r Prepared,
         real: bool,
+        executed: &dyn Fn(CodelId) -> bool,
     ) -> anyhow::Result<Option<Recording<'r, 'r>>> {
         let Some(file) = file else {
             return Ok(None);
@@ -222,7 +223,7 @@ impl Context<'_, '_> {
             "" => crate::session::display(&self.problem.path),
             name => name.to_owned(),
         };
-        Recording::new(file, prepared, self.names, scenario, real).map(Some)
+        Recording::new(file, prepared, self.names, scenario, real, executed).map(Some)
     }
 
     fn told(&self, prepared: &Prepared, outcome: &SimulationResult<'_>) -> Option<RunEvents> {
@@ -412,7 +413,7 @@ impl Context<'_, '_> {
                 .map(|subscriber| subscriber as &mut dyn ProgressReceiver),
             violated: real.then_some(&violated as &ViolationReceiver<'_>),
         };
-        let mut recording = self.recording(files.recording.take(), &opened, real)?;
+        let mut recording = self.recording(files.recording.take(), &opened, real, &is_executed)?;
         let run = || {
             simulate_recorded(
                 &opened,

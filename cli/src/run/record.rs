@@ -10,7 +10,7 @@ use dotgen_runtime::simulation::Record;
 use dotgen_runtime::watch::PortUpdate;
 use dotgen_timing::explore::{Action, Stepper};
 use dotgen_timing::scn::names::{Member, Names};
-use dotgen_timing::system::{ComponentId, TimedSystem};
+use dotgen_timing::system::{CodelId, ComponentId, TimedSystem};
 use dotgen_timing::verify::Prepared;
 use num_rational::Ratio;
 use serde_json::{Value, json};
@@ -39,13 +39,14 @@ pub(super) struct Recording<'r, 's> {
 }
 
 impl<'r, 's> Recording<'r, 's> {
-    /// Creates a recording of a run of a system, in a file.
+    /// Creates a recording of a run of a system, in a file. `executed`: the codels that are not simulated.
     pub(super) fn new(
         file: AppendedFile,
         prepared: &'r Prepared,
         names: &'r Names<'s>,
         scenario: String,
         real: bool,
+        executed: &dyn Fn(CodelId) -> bool,
     ) -> anyhow::Result<Self> {
         let system = &prepared.built.system;
         let mut members = ti_vec![None; system.components.len()];
@@ -58,6 +59,8 @@ impl<'r, 's> Recording<'r, 's> {
             unit: system.unit.to_string(),
             clock: if real { "real" } else { "virtual" }.to_owned(),
             outside: real,
+            simulated: (system.codels.iter_enumerated())
+                .any(|(id, codel)| codel.site.is_some() && !executed(id)),
             end: 0,
             scenario,
         };

@@ -9,6 +9,7 @@ fn about() -> RunInfo {
         unit: "1/1000000".to_owned(),
         clock: "real".to_owned(),
         outside: true,
+        simulated: false,
         end: 70,
     }
 }

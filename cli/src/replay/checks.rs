@@ -1,4 +1,4 @@
-//! Checks of a recorded run that compare data of ports.
+//! The checks of a scenario in a recorded run.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -7,15 +7,16 @@ use dotgen_analysis::terminal;
 use dotgen_recording::record::{self, PortRecording, Recording};
 use dotgen_recording::replay::{Replay, ReplayReport};
 use dotgen_runtime::checker::{Idle, RunChecker, Verdict};
-use dotgen_timing::explore::{Seen, Stepper, Watched};
+use dotgen_timing::explore::{Seen, Stepper};
 use dotgen_timing::property::DataFact;
+use dotgen_timing::property::PropertyKind;
 use dotgen_timing::system::{ClientId, TimedSystem};
 use dotgen_timing::verify::Prepared;
 
 use crate::run::check_title;
 
-/// The checks that compare data, and the data of the recording.
-pub(super) struct DataChecks<'p> {
+/// The checks, and the data of the recording.
+pub(super) struct RecordedChecks<'p> {
     prepared: &'p Prepared,
     facts: &'p [DataFact],
     recorded: PortRecording,
@@ -27,6 +28,7 @@ pub(super) struct DataChecks<'p> {
 pub(super) struct CheckResult {
     #[serde(skip_serializing_if = "Option::is_none")]
     name: Option<String>,
+    check: PropertyKind,
     of: String,
     verdict: Verdict,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -39,7 +41,7 @@ pub(super) struct CheckResult {
     title: String,
 }
 
-impl<'p> DataChecks<'p> {
+impl<'p> RecordedChecks<'p> {
     /// Reads the data of a recording, if a check compares data.
     pub(super) fn read(prepared: &'p Prepared, bytes: &[u8]) -> anyhow::Result<Self> {
         let facts = prepared.built.data.as_deref().unwrap_or_default();
@@ -47,7 +49,7 @@ impl<'p> DataChecks<'p> {
             [] => PortRecording::default(),
             _ => record::read_data(bytes).map_err(anyhow::Error::msg)?,
         };
-        Ok(DataChecks { prepared, facts, recorded })
+        Ok(RecordedChecks { prepared, facts, recorded })
     }
 
     /// Replays a run with its data.
@@ -58,10 +60,7 @@ impl<'p> DataChecks<'p> {
         recorded: &Recording,
     ) -> (ReplayReport, RunChecker<'p>) {
         let verified = &self.prepared.built.system;
-        let (watched, places) = match self.facts {
-            [] => (Watched::default(), vec![None; self.prepared.checks.len()]),
-            _ => self.prepared.watched(),
-        };
+        let (watched, places) = self.prepared.watched();
         let mut judge = RunChecker::new(self.prepared, places, vec![None; verified.tasks.len()]);
         let topics = self.recorded.topics.iter();
         let facts: BTreeMap<u16, Vec<usize>> =
@@ -70,7 +69,6 @@ impl<'p> DataChecks<'p> {
             facts.values().flatten().any(|&number| self.facts[number].path == fact.path)
         });
         let mut observe = |stepper: &Stepper<'_>, seen: Option<&Seen>| match seen {
-            _ if self.facts.is_empty() => {}
             Some(seen) => judge.on_event(stepper, seen),
             None => judge.moment(stepper),
         };
@@ -95,14 +93,17 @@ impl<'p> DataChecks<'p> {
         (0..self.facts.len()).filter(|&fact| self.facts[fact].path == path).collect()
     }
 
-    /// Returns the results of the checks that compare data.
-    pub(super) fn results(&self, judge: &RunChecker<'_>) -> Vec<CheckResult> {
+    /// Returns the results of the checks. `simulated`: some codels were not executed.
+    pub(super) fn results(&self, judge: &RunChecker<'_>, simulated: bool) -> Vec<CheckResult> {
         let checks = self.prepared.checks.iter().zip(&judge.answers).enumerate();
-        let checks = checks.filter(|(_, (check, _))| !check.data.is_empty());
         let results = checks.map(|(number, (check, answer))| CheckResult {
             name: check.report.name.clone(),
+            check: check.report.kind,
             of: check.report.of.clone(),
-            verdict: answer.verdict,
+            verdict: match answer.verdict {
+                Verdict::Kept | Verdict::Seen if simulated => Verdict::Simulated,
+                verdict => verdict,
+            },
             why: judge.idle(number).map(|idle| self.why(idle)),
             at: answer.at.map(|moment| moment.time),
             violations: answer.violations,
@@ -133,7 +134,8 @@ impl<'p> DataChecks<'p> {
                 Verdict::Violated => format!("violated{at}"),
                 Verdict::Seen => format!("kept{at}"),
                 Verdict::NotExercised | Verdict::NotSeen => "not exercised".to_owned(),
-                Verdict::Kept | Verdict::Simulated => "kept".to_owned(),
+                Verdict::Kept => "kept".to_owned(),
+                Verdict::Simulated => "kept by simulated codels:".to_owned(),
             };
             let why = check.why.as_ref().map_or(String::new(), |why| format!(": {why}"));
             writeln!(out, "{verdict} {}{why}", terminal::text(&check.title))?;
