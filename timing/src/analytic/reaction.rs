@@ -1,7 +1,8 @@
 //! Bounds on the reaction time of cause-effect chains under the semantics of the servers (section 19),
 //! without waits for cores.
 //!
-//! A chain leads through codels of permanent activities of periodic tasks. If every cycle of the task
+//! A chain leads through codels of permanent activities of periodic tasks, in components that do not shut down
+//! because one of them throws. If every cycle of the task
 //! executes the codel, whatever state it resumes, the first execution that begins after some moment reads the
 //! data visible then. Cycles follow each other by at most a period, and each takes at most its length (see
 //! `servers`). So the codel has ended, and its output is visible, a period and a length after that moment. A
@@ -14,7 +15,7 @@
 //! other, each after the first pass of the previous one, and begin with a tick.
 
 use super::servers::{self, Turns, Window};
-use super::windows::{ClientWindow, situations, whole_run};
+use super::windows::{ClientWindow, shuts_down, situations, whole_run};
 use crate::scn::semantics::Semantics;
 use crate::system::loops::pauseless_cycles;
 use crate::system::{CodelId, Machine, TaskId, Ticks, TimedSystem, Yield};
@@ -88,6 +89,7 @@ impl Tasks<'_> {
             _ => None,
         });
         let always = !ends
+            && !shuts_down(system, system.tasks[task].component)
             && pauseless_cycles(machine).is_empty()
             && resumed.all(|state| meets(machine, state, codel));
         always.then_some((task, machine))

@@ -230,14 +230,6 @@ pub(super) fn stops(system: &TimedSystem, situations: &[Situations]) -> TiVec<Au
             pairs(own, others).for_each(|(one, other)| meet(one, other));
         }
     }
-    let throws =
-        |machine: &Machine| machine.states.iter().any(|state| system.codels[state.codel].throws);
-    let shuts_down = |component: ComponentId| {
-        let tasks = system.components[component].tasks.iter();
-        tasks
-            .filter_map(|&task| system.tasks[task].permanent)
-            .any(|automaton| throws(system.machine_of(automaton)))
-    };
     let stops = |automaton: &Automaton| {
         let interrupted = automaton.service.is_some_and(|service| {
             let mut others = system.services.iter_enumerated();
@@ -245,9 +237,17 @@ pub(super) fn stops(system: &TimedSystem, situations: &[Situations]) -> TiVec<Au
                 entry.interrupts.contains(&service) && together[other][service]
             })
         });
-        interrupted || shuts_down(system.tasks[automaton.task].component)
+        interrupted || shuts_down(system, system.tasks[automaton.task].component)
     };
     system.automata.iter().map(stops).collect()
+}
+
+/// Returns true if a component can shut down because a codel of a permanent activity throws.
+pub(super) fn shuts_down(system: &TimedSystem, component: ComponentId) -> bool {
+    let throws =
+        |machine: &Machine| machine.states.iter().any(|state| system.codels[state.codel].throws);
+    let mut tasks = system.components[component].tasks.iter();
+    tasks.any(|&task| system.tasks[task].permanent.is_some_and(|a| throws(system.machine_of(a))))
 }
 
 fn pairs<'r>(

@@ -1,12 +1,14 @@
 //! Quick bounds by response-time analysis.
 
 use dotgen_timing::analytic::response_bounds;
+use dotgen_timing::report::Verdict;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::scn::parse;
 use dotgen_timing::scn::semantics::Preset;
 use dotgen_timing::system::TaskId;
 use dotgen_timing::system::build::build;
 use dotgen_timing::system::settings::Settings;
+use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
 use super::{ROBOT, load};
 
@@ -356,4 +358,46 @@ fn under_priorities_a_thread_at_the_head_of_the_queue_without_a_core_keeps_other
     c.lo 11
     d.mid 10
     ");
+}
+
+/// A value that is written, copied and published each 10 ms.
+const CHAIN: &str = r#"
+struct data { long value; };
+component sensor {
+  version "1"; lang "c";
+  exception broken;
+  port out data measure;
+  task read {
+    period 10 ms;
+    codel <start> sensor_read(out measure) yield pause::start wcet 1 ms;
+  };
+};
+component filter {
+  version "1"; lang "c";
+  exception broken;
+  port in data measure;
+  port out data mean;
+  task filter {
+    period 10 ms;
+    codel <start> filter_start(in measure, out mean) yield pause::start wcet 1 ms;
+  };
+};
+"#;
+
+#[test]
+fn a_task_that_may_throw_has_no_bound_on_a_reaction() {
+    let reaction = |specification: &str| {
+        let unit = load(specification);
+        let check = "check reaction sensor.measure -> filter.mean <= 60 ms;";
+        let parsed = parse(&format!("scenario x {{ {check} }}"));
+        let input = SystemInput { specs: vec![&unit.spec] };
+        let mut options = Options::default();
+        options.limits.states = 1;
+        verify(&input, &parsed.scenario, &options, &Cancel::default()).checks[0].verdict
+    };
+    assert_eq!(reaction(CHAIN), Verdict::Proved);
+    let throws = CHAIN.replacen("period 10 ms;", "period 10 ms; throw broken;", 1);
+    assert_eq!(reaction(&throws), Verdict::Proved, "the sensor only stops");
+    let throws = CHAIN.replace("period 10 ms;", "period 10 ms; throw broken;");
+    assert_ne!(reaction(&throws), Verdict::Proved);
 }
