@@ -83,8 +83,8 @@ async fn completion_knows_the_place() {
         ("$0", "scenario"),
         (
             "scenario a {\n $0",
-            "use times unit semantics cores policy affinity durations duration loop idle ticks turns locks ports \
-                pause exceptions order async aperiodic connect slots client on check",
+            "use times weights unit semantics cores policy affinity durations duration loop idle ticks turns locks \
+                ports pause exceptions order async aperiodic connect slots client on check",
         ),
         ("scenario a { policy $0", "fifo edf any priority fair"),
         ("scenario a { policy f$0", "fifo edf any priority fair"),

@@ -201,8 +201,10 @@ async fn a_verification_is_cancelled_by_an_edit_and_limited_by_the_settings() {
     until(&mut client, &uri, 2, "proved").await;
 
     // The text is unchanged, but its answer is not: the stored answer must not be used. With the published
-    // semantics only exploration proves the check: the earlier tiers do not cover tasks without a period.
-    let limits = json!({ "settings": { "dotgen": { "verification": { "max-states": 3, "semantics": "published" } } } });
+    // semantics and one core only exploration proves the check: each bound counts a job of every other task.
+    let verification = json!({ "max-states": 3, "semantics": "published" });
+    let settings = json!({ "verification": verification, "timing": { "cores": 1 } });
+    let limits = json!({ "settings": { "dotgen": settings } });
     client.notify("workspace/didChangeConfiguration", limits).await;
     // The number of cores may still arrive before.
     while client.notification(STATUS).await["status"] != "gave-up" {}

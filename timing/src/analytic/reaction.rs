@@ -1,8 +1,8 @@
 //! Bounds on the reaction time of cause-effect chains under the semantics of the servers (section 19),
 //! without waits for cores.
 //!
-//! A chain leads through codels of permanent activities of periodic tasks, in components that do not shut down
-//! because one of them throws. If every cycle of the task
+//! A chain leads through codels of permanent activities of periodic tasks, in components that do not shut
+//! down because one of them throws. If every cycle of the task
 //! executes the codel, whatever state it resumes, the first execution that begins after some moment reads the
 //! data visible then. Cycles follow each other by at most a period, and each takes at most its length (see
 //! `servers`). So the codel has ended, and its output is visible, a period and a length after that moment. A

@@ -44,11 +44,16 @@ impl Timing {
         ages.filter(|&age| age == oldest).count()
     }
 
-    /// Returns the present age of the measured obligation in base units, and the number of obligations of
-    /// that age.
-    pub(super) fn age(self, l: &Frame, s: &State) -> (Ticks, usize) {
+    /// Returns the present age of the measured obligation in base units, the number of obligations of that
+    /// age, and if a measured job has its core.
+    pub(super) fn age<R: Rules>(self, rules: &R, s: &State) -> (Ticks, usize, bool) {
+        let l = rules.frame();
         let clock = self.clock(l, s);
-        (clock.map_or(0, |clock| s.t[clock]), self.as_old(l, s))
+        let has_core = match self {
+            Timing::Response(task) => rules.job(s, task) == TaskStatus::Running,
+            Timing::Within(_) => false,
+        };
+        (clock.map_or(0, |clock| s.t[clock]), self.as_old(l, s), has_core)
     }
 
     /// Returns true if the measurement runs in a state.

@@ -185,6 +185,7 @@ impl<R: Rules> Reductions<R> for NoReductions {
         let off = |kind| Activity { kind, off: Some(Reason::Chain) };
         let kinds = [
             Kind::PersistentSets,
+            Kind::PersistentRequests,
             Kind::SleepSets,
             Kind::Deferral,
             Kind::RestingLoops,

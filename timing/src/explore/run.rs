@@ -42,29 +42,31 @@ impl Run {
 
     /// Returns two moments within the last `recent` units of the run with the same state just before time
     /// passes, except for observation clocks: the part between them can be repeated for ever. `age` returns
-    /// the age of the measured obligation in a state, and the number of obligations of that age. An
-    /// obligation of the same age may take its place, but not for ever.
+    /// the age of the measured obligation in a state, the number of obligations of that age, and if a
+    /// measured job has its core. An obligation of the same age may take its place, but not for ever.
     pub(in crate::explore) fn repetition<R: Rules>(
         &self,
         rules: &R,
         (observers, recent): (&Observers, Ticks),
-        age: &dyn Fn(&State) -> (Ticks, usize),
+        age: &dyn Fn(&State) -> (Ticks, usize, bool),
         cancel: &Cancel,
     ) -> Option<(u64, u64)> {
         let from = self.end.checked_sub(u64::from(recent))?;
         let mut seen = FxHashMap::default();
         let mut found = None;
-        let mut measured = 0;
+        let (mut measured, mut executed) = (0, false);
         self.replay(rules, observers, |time, s, began| {
             if time < from {
                 return !(time.is_multiple_of(64) && cancel.is_abandoned());
             }
             // The measurement may begin before the measured job, with a tick that is kept until the previous
             // job has ended. A repetition across that end does not last.
-            let (now, as_old) = age(s);
-            if now < std::mem::replace(&mut measured, now) {
+            let (now, as_old, has_core) = age(s);
+            let ended = executed && !has_core;
+            if now < std::mem::replace(&mut measured, now) || ended {
                 seen.clear();
             }
+            executed = has_core;
             // Elapsed instead of remaining times.
             let elapsed: Vec<u64> = (0..rules.frame().executors())
                 .map(|e| {

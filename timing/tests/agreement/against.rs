@@ -334,6 +334,13 @@ fn the_verifier_agrees_with_the_interpreter_of_the_servers_on_equal_parts() {
     assert!(used as u64 >= count / 10, "symmetry is used");
 }
 
+/// A tick is kept while the first job ends, which is not measured: the job after it is no repetition.
+#[test]
+fn no_repetition_leads_across_the_end_of_the_first_job() {
+    let texts = alike(&mut systems::Dice::new(90_212));
+    assert_eq!(compare("seed 90212", &texts), Some(Ok(())));
+}
+
 #[test]
 fn the_verifier_agrees_with_the_interpreter_of_the_servers_on_cores_given_in_order() {
     all_agree(first(), cases(), 3, |seed| {

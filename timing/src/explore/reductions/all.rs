@@ -31,7 +31,7 @@ pub(crate) struct AllReductions {
 /// Persistent sets: within jobs, or of components that are independent at a moment.
 #[derive(Debug)]
 enum PersistentSets {
-    Ample,
+    Ample(Ample),
     Components(Components),
 }
 
@@ -45,11 +45,17 @@ impl Reductions<SystemRules<'_>> for AllReductions {
         let setting = Setting { rules, asked, facts: &facts, without };
         let mut notes = Vec::new();
         let persistent = match rules.points.cycle {
-            Cycle::Jobs => Ample::examine(&setting, &mut notes).map(|Ample| PersistentSets::Ample),
+            Cycle::Jobs => Ample::examine(&setting, &mut notes).map(PersistentSets::Ample),
             Cycle::Passes => {
                 Components::examine(&setting, &mut notes).map(PersistentSets::Components)
             }
         };
+        let requests = match &persistent {
+            Some(PersistentSets::Ample(ample)) => Some(ample.without_requests()),
+            _ if rules.points.cycle == Cycle::Passes => Some(Some(Reason::OneQueue)),
+            _ => None,
+        };
+        notes.push(part(Kind::PersistentRequests, requests, Kind::PersistentSets));
         let overtake = Overtake::examine(&setting, &mut notes);
         let deferral = Deferral::examine(&setting, &mut notes);
         let resting = deferral.as_ref().map(|deferral| deferral.without_rest(&setting));
@@ -72,7 +78,9 @@ impl Reductions<SystemRules<'_>> for AllReductions {
 
     fn persistent(&self, rules: &SystemRules, s: &State, enabled: &Enabled, out: &mut Vec<Action>) {
         match &self.persistent {
-            Some(PersistentSets::Ample) => Ample::select((rules, &self.facts), s, enabled, out),
+            Some(PersistentSets::Ample(ample)) => {
+                ample.select((rules, &self.facts), s, enabled, out);
+            }
             Some(PersistentSets::Components(components)) => {
                 components.select(rules, s, enabled, out);
             }

@@ -8,6 +8,8 @@ use std::fmt;
 pub enum Kind {
     /// Follow simultaneous actions that commute in one order only.
     PersistentSets,
+    /// Persistent sets for the actions of clients, activities and control tasks.
+    PersistentRequests,
     /// Follow ends before a due action only in order to overtake all that is due.
     SleepSets,
     /// Postpone ends that gain nothing by coming early to the next hard moment.
@@ -34,8 +36,9 @@ pub enum Kind {
 }
 
 impl Kind {
-    pub const ALL: [Kind; 12] = [
+    pub const ALL: [Kind; 13] = [
         Kind::PersistentSets,
+        Kind::PersistentRequests,
         Kind::SleepSets,
         Kind::Deferral,
         Kind::RestingLoops,
@@ -53,6 +56,7 @@ impl Kind {
     pub fn name(self) -> &'static str {
         match self {
             Kind::PersistentSets => "persistent-sets",
+            Kind::PersistentRequests => "persistent-requests",
             Kind::SleepSets => "sleep-sets",
             Kind::Deferral => "deferral",
             Kind::RestingLoops => "resting-loops",
@@ -125,6 +129,10 @@ pub enum Reason {
     Predicates,
     /// The system has clients.
     Clients,
+    /// The system has no requests.
+    NoClients,
+    /// A client can loop without time passing.
+    HastyClient,
     /// The system has more parts than the reduction has bits.
     TooMany,
     /// Some task has activities, separate threads, kept ticks or a loop of codels that take no time.
@@ -169,6 +177,8 @@ impl fmt::Display for Reason {
             Reason::LocksInOrder => "locks are given in order of arrival",
             Reason::Predicates => "a predicate looks at the states in between",
             Reason::Clients => "there are clients",
+            Reason::NoClients => "nothing is requested",
+            Reason::HastyClient => "a client can go round without time passing",
             Reason::TooMany => "more tasks, automata or services than it can count",
             Reason::NotPlain => {
                 "some task has activities, async codels, kept ticks or a loop that takes no time"

@@ -246,7 +246,7 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
     pub(super) fn repetition(&self, run: &Run, value: Ticks) -> Option<(u64, u64)> {
         let Observations { rules, observers, gauges, .. } = &self.observations;
         let of = gauges.first().map(|gauge| gauge.of);
-        let age = |s: &State| of.map_or((0, 0), |gauge| gauge.age(rules.frame(), s));
+        let age = |s: &State| of.map_or((0, 0, false), |gauge| gauge.age(rules, s));
         run.repetition(rules, (observers, value), &age, self.cancel)
     }
 

@@ -423,7 +423,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
             let mut out = Divergence { gauge, proof: None, excess: None };
             let rules = &self.observations.rules;
             let recent = (&self.observations.observers, value);
-            let age = |s: &State| of.age(rules.frame(), s);
+            let age = |s: &State| of.age(rules, s);
             if let Some(cycle) = run.repetition(rules, recent, &age, self.cancel) {
                 let left = limit.and_then(|limit| limit.checked_sub(value));
                 out.excess = left.and_then(|left| run.prolonged(cycle, left + 1));
