@@ -119,8 +119,10 @@ impl Analysis<'_> {
             None => Some(1),
             // The first slot counts for all of them.
             Some(service) if self.system.services[service].slots[0] != automaton => Some(0),
-            Some(service) => window.requests[service]
-                .map(|requests| requests * (1 + u32::from(machine.stop.is_some()))),
+            Some(service) => {
+                let parts = 1 + u32::from(machine.stop.is_some());
+                window.requests[service].map(|requests| requests.saturating_mul(parts))
+            }
         };
         match count.filter(|&count| count <= MAX_INSTANCES) {
             Some(count) => vec![self.stretches(machine, cost); count as usize],
