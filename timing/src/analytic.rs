@@ -419,13 +419,15 @@ impl<'s> Analysis<'s> {
     }
 
     /// Returns the jobs of another task in a window that begins at most `width` after the release of a job.
-    /// If both tasks are released at their ticks, the times since the last tick of the other one are known.
+    /// If both tasks are released at their ticks, the times since the last tick of the other one are known. A
+    /// start-up has no tick, so that it must be over.
     fn in_phase(&self, task: TaskId, other: TaskId, jobs: Jobs, width: u64) -> Jobs {
         let (Kind::Punctual(response), Some(period)) = (jobs.kind, self.system.tasks[task].period)
         else {
             return jobs;
         };
-        if self.late[task] || other == task {
+        let starting = self.started[other].is_none_or(|over| over > self.first_tick(task));
+        if self.late[task] || other == task || starting {
             return jobs;
         }
         let (period, others) = (u64::from(period), u64::from(jobs.period));

@@ -49,7 +49,7 @@ pub(crate) fn resolve(
     let target = names.resolve(path)?;
     let (Target::Port(c, p) | Target::Member(c, p, _)) = target else {
         return wrong(format!(
-            "`{}` is no data of a port; compare COMPONENT.PORT.MEMBER, or give a limit of time its unit, as in \
+            "`{}` is not data of a port; compare COMPONENT.PORT.MEMBER. A limit of time needs a unit, as in \
              `<= 5 ms`",
             path.text()
         ));

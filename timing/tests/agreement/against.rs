@@ -334,7 +334,7 @@ fn the_verifier_agrees_with_the_interpreter_of_the_servers_on_equal_parts() {
     assert!(used as u64 >= count / 10, "symmetry is used");
 }
 
-/// A tick is kept while the first job ends, which is not measured: the job after it is no repetition.
+/// The first job of a task is not measured. Its end, after a tick was kept, ends a repetition.
 #[test]
 fn no_repetition_leads_across_the_end_of_the_first_job() {
     let texts = alike(&mut systems::Dice::new(90_212));
