@@ -18,7 +18,8 @@ use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::{Interrupt, SystemInput, prepare};
 
 use super::outputs::{self, Output, PERFETTO};
-use super::run::{bounds, check_title};
+use super::run::bounds;
+use super::run::text::check_title;
 use super::session::{display, is_standard_input};
 use super::system_options::SystemOptions;
 use super::verify::diagnostics::ScenarioDiagnostics;

@@ -112,6 +112,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let recorded_checks = RecordedChecks::read(&prepared, &bytes)?;
     let (report, judge) = recorded_checks.replay(&system, outside, &recorded);
     let checks = recorded_checks.results(&judge, recorded.about.simulated);
+    for note in &prepared.report.notes {
+        report::note(note);
+    }
     let title = match problem.scenario.name.as_str() {
         "" => display(&problem.path),
         name => name.to_owned(),
@@ -119,7 +122,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     match arguments.format {
         Format::Text => {
             print_text(&title, &recorded.about.scenario, &prepared, &report, damaged)?;
-            recorded_checks.print(&checks)?;
+            recorded_checks.print(&checks, report.followed == report.steps && damaged.is_none())?;
         }
         Format::Json => {
             let mut document = serde_json::to_value(&report)?;
@@ -129,7 +132,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             document["clock"] = recorded.about.clock.into();
             document["breaks-off"] = recorded.broken.is_some().into();
             if !checks.is_empty() {
-                document["checks"] = serde_json::to_value(&checks)?;
+                document["checks"] = RecordedChecks::json(&checks, &judge);
             }
             if let Some(at) = damaged {
                 document["damaged-at"] = at.into();

@@ -7,6 +7,7 @@ mod hosted;
 mod merge;
 #[cfg(unix)]
 mod params;
+mod plan;
 mod record;
 mod recorder;
 mod scenario;
@@ -14,7 +15,7 @@ mod scenario;
 mod serve;
 #[cfg(unix)]
 mod systemd;
-mod text;
+pub(super) mod text;
 
 use std::io::Write;
 
@@ -22,26 +23,18 @@ use camino::Utf8PathBuf;
 use clap::{Args, ValueEnum};
 use dotgen_analysis::model::Seconds;
 use dotgen_ros2::remap::Remap;
-use dotgen_runtime::decide;
 use dotgen_runtime::engine::End;
 use dotgen_runtime::estimate;
 use dotgen_runtime::parts::Part;
 use dotgen_runtime::report::RunReport;
-use dotgen_runtime::simulation::Plan;
-use dotgen_runtime::weights::{BadLine, Weights};
 use dotgen_timing::scn::ast::Unit;
-use dotgen_timing::verify::Prepared;
 use num_rational::Ratio;
 use serde::{Deserialize, Serialize};
 
 use super::outputs::{self, MCAP, Output, PERFETTO, VIEWER};
 use super::system_options::SystemOptions;
 use super::verify::{body, interrupt, problems};
-use super::{Outcome, SpecificationOptions, report, session};
-use dotgen_views::verification::Problem;
-use dotgen_views::verification::problem::weights;
-pub(super) use text::check_title;
-
+use super::{Outcome, SpecificationOptions, report};
 use scenario::{Ended, one};
 
 /// Run components and watch the checks of a scenario
@@ -574,48 +567,6 @@ impl Arguments {
                 _ => anyhow::bail!("ROS_DOMAIN_ID is `{variable}`: write a number from 0 to 232"),
             },
         }
-    }
-
-    /// Reads the weights of yields, and names the lines that the system does not have.
-    fn read_weights(
-        &self,
-        prepared: &Prepared,
-        problem: &Problem,
-    ) -> anyhow::Result<Option<Weights>> {
-        let named =
-            || weights(&problem.scenario, &problem.path).map(|path| session::display(&path));
-        let Some(path) = self.weights.clone().or_else(|| named().map(Utf8PathBuf::from)) else {
-            return Ok(None);
-        };
-        let text = session::text(&path, 1)?;
-        let at = |bad: &BadLine| format!("{path}:{}: {}", bad.line, bad.what);
-        let (weights, unknown) = Weights::parse(&text, &prepared.built.system)
-            .map_err(|bad| anyhow::anyhow!("{}", at(&bad)))?;
-        for bad in &unknown {
-            report::note(&format!("{} of these components: ignored", at(bad)));
-        }
-        Ok(Some(weights))
-    }
-
-    fn plan<'w>(&self, prepared: &Prepared, weights: Option<&'w Weights>) -> Plan<'w> {
-        let ten_seconds = Ratio::from_integer(10);
-        self.shard.plan(&Plan {
-            until: match (self.until, self.clock) {
-                (Some(ratio), _) => prepared.ticks(ratio),
-                (None, Clock::Virtual) => prepared.ticks(ten_seconds),
-                (None, Clock::Real) => u64::MAX,
-            },
-            runs: self.all_runs(),
-            seed: self.seed,
-            weights,
-            durations: match self.durations {
-                DurationsName::Worst => decide::Durations::Worst,
-                DurationsName::Random => decide::Durations::Random,
-                DurationsName::Best => decide::Durations::Best,
-            },
-            stop_at_violation: self.on_violation == OnViolation::Stop,
-            record: (self.trace.as_ref()).is_some_and(|trace| trace.extension() != Some(PERFETTO)),
-        })
     }
 }
 

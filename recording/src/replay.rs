@@ -57,6 +57,16 @@ pub struct Difference {
     pub what: DifferenceKind,
 }
 
+/// What the checks of a replayed run follow.
+#[derive(Debug, Clone, Copy)]
+pub enum Observed<'e> {
+    Event(&'e Seen),
+    /// Time has passed.
+    Moment,
+    /// The run has ended, because no event could follow.
+    NothingLeft,
+}
+
 #[derive(Debug, Clone, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct ReplayReport {
@@ -95,8 +105,8 @@ pub struct Replay<'s> {
     waited: Vec<bool>,
     possible: Possible,
     seen: Vec<Seen>,
-    /// Receives the events of the run, and moments at which time has passed.
-    observe: &'s mut dyn FnMut(&Stepper<'_>, Option<&Seen>),
+    /// Receives the run, until components are shut down.
+    observe: &'s mut dyn FnMut(&Stepper<'_>, Observed),
     /// The state of the run is unknown.
     lost: bool,
     /// Components are being shut down.
@@ -116,13 +126,13 @@ pub fn with_any_exception(system: &TimedSystem) -> TimedSystem {
 impl<'s> Replay<'s> {
     /// Creates a replay. `system` is the [form with any exception](with_any_exception) of the `verified`
     /// system. Clients from `outside` on stand for requests from outside. `observe` receives the events of
-    /// `watched` until components are shut down, and without an event each moment at which time has passed.
+    /// `watched` until components are shut down.
     pub fn new(
         system: &'s TimedSystem,
         verified: &TimedSystem,
         outside: Option<ClientId>,
         watched: &Watched,
-        observe: &'s mut dyn FnMut(&Stepper<'_>, Option<&Seen>),
+        observe: &'s mut dyn FnMut(&Stepper<'_>, Observed),
     ) -> Self {
         let mut stepper = Stepper::new(system, watched);
         let mut seen = Vec::new();
@@ -228,6 +238,12 @@ impl<'s> Replay<'s> {
                 self.record_overrun(executor, &end);
             }
         }
+        self.stepper.possible(&mut self.possible);
+        let is_stuck = self.possible.actions().is_empty()
+            && self.stepper.next_moment_but(&|_| false).is_none();
+        if is_stuck && !self.lost && !self.ending {
+            (self.observe)(&self.stepper, Observed::NothingLeft);
+        }
         self.report.time = self.stepper.now();
         self.report
     }
@@ -326,7 +342,7 @@ impl<'s> Replay<'s> {
             self.stepper.pass(jump, &mut self.seen);
             self.look();
             if !self.ending {
-                (self.observe)(&self.stepper, None);
+                (self.observe)(&self.stepper, Observed::Moment);
             }
             for (executor, before) in before.into_iter().enumerate() {
                 // Without a greatest time, the window does not show whether the work progressed.
@@ -399,7 +415,7 @@ impl<'s> Replay<'s> {
         let now = self.stepper.now();
         for observation in self.seen.drain(..) {
             if !self.ending {
-                (self.observe)(&self.stepper, Some(&observation));
+                (self.observe)(&self.stepper, Observed::Event(&observation));
             }
             if let Seen::Begun { executor, time, .. } = observation
                 && let Some(begun) = self.begun.get_mut(executor)

@@ -365,7 +365,7 @@ impl<'p> RunChecker<'p> {
     }
 
     /// Records that a run ends, or begins to: nothing that is awaited comes any more.
-    pub(crate) fn end_checks(&mut self, stepper: &Stepper, end: End) {
+    pub fn end_checks(&mut self, stepper: &Stepper, end: End) {
         let now = Moment { run: self.run, time: stepper.now() };
         if end == End::NothingLeft {
             self.each(now, |question| matches!(question, Question::Deadlock));

@@ -221,7 +221,12 @@ pub fn violation(
     judge: &RunChecker<'_>,
     number: usize,
 ) -> ViolationReport {
-    ReportBuilder { prepared, plan }.violation(judge, number)
+    ReportBuilder { prepared, seed: plan.seed }.violation(judge, number)
+}
+
+/// Returns the results of the checks of one run. `simulated`: some codels were not executed.
+pub fn checks(prepared: &Prepared, judge: &RunChecker<'_>, simulated: bool) -> Vec<CheckOutcome> {
+    ReportBuilder { prepared, seed: 0 }.checks(judge, simulated)
 }
 
 impl RunReport {
@@ -233,7 +238,7 @@ impl RunReport {
         bounds: &[Option<Ticks>],
         executes: &dyn Fn(CodelId) -> bool,
     ) -> RunReport {
-        let make = ReportBuilder { prepared, plan };
+        let make = ReportBuilder { prepared, seed: plan.seed };
         let system = &prepared.built.system;
         let ran = outcome.tally.codels.iter().map(|counted| counted.runs.count > 0);
         // What every component does by itself, as to interrupt an activity, is not simulated.
@@ -241,7 +246,7 @@ impl RunReport {
         let simulated = declared
             .into_iter()
             .any(|((id, codel), ran)| ran && codel.site.is_some() && !executes(id));
-        let checks = make.checks(outcome, simulated);
+        let checks = make.checks(&outcome.judge, simulated);
         let services = system.services.keys().map(|service| {
             let counted = &outcome.tally.services[service];
             ServiceCounts {
@@ -354,7 +359,8 @@ pub(crate) fn together(violations: u64, checks: &[CheckOutcome]) -> Verdict {
 
 struct ReportBuilder<'r> {
     prepared: &'r Prepared,
-    plan: &'r Plan<'r>,
+    /// Seed of the first run.
+    seed: u64,
 }
 
 impl ReportBuilder<'_> {
@@ -370,13 +376,13 @@ impl ReportBuilder<'_> {
     fn at(&self, moment: Moment) -> RunMoment {
         RunMoment {
             run: moment.run + 1,
-            seed: self.plan.seed.wrapping_add(moment.run),
+            seed: self.seed.wrapping_add(moment.run),
             time: Value::Time(self.prepared.time(moment.time)),
         }
     }
 
-    fn checks(&self, outcome: &SimulationResult, simulated: bool) -> Vec<CheckOutcome> {
-        let checks = self.prepared.checks.iter().zip(&outcome.judge.answers);
+    fn checks(&self, judge: &RunChecker<'_>, simulated: bool) -> Vec<CheckOutcome> {
+        let checks = self.prepared.checks.iter().zip(&judge.answers);
         let checks = checks.enumerate().map(|(number, (asked, answer))| {
             let greatest = answer.greatest.map(|number| self.value(number));
             let limit = asked.report.limit;
@@ -388,7 +394,7 @@ impl ReportBuilder<'_> {
                     Verdict::Kept | Verdict::Seen if simulated => Verdict::Simulated,
                     verdict => verdict,
                 },
-                why: outcome.judge.idle(number).map(|idle| self.why(idle)),
+                why: judge.idle(number).map(|idle| self.why(idle)),
                 greatest,
                 limit: limit.map(|limit| Value::Time(limit.time())),
                 exceeded: (limit.zip(greatest)).is_some_and(|pair| pair.0.is_exceeded_by(pair.1)),

@@ -2,13 +2,13 @@
 
 use dotgen_analysis::host::UnitResult;
 use dotgen_recording::replay::{
-    DifferenceKind, Replay, ReplayReport, Rule, Step, with_any_exception,
+    DifferenceKind, Observed, Replay, ReplayReport, Rule, Step, with_any_exception,
 };
 use dotgen_runtime::decide::Durations;
 use dotgen_runtime::profile::Profile;
 use dotgen_runtime::simulation::{Plan, Record, simulate_recorded};
 use dotgen_runtime::watch::PortUpdate;
-use dotgen_timing::explore::{Action, Seen, Stepper, Watched};
+use dotgen_timing::explore::{Action, Stepper, Watched};
 use dotgen_timing::scn::parse;
 use dotgen_timing::scn::semantics::LockRule;
 use dotgen_timing::system::{FOREVER, Policy, TimedSystem, Yield};
@@ -70,7 +70,7 @@ fn record(prepared: &Prepared, until: u64, seed: u64, durations: Durations) -> (
 
 pub(crate) fn replay(verified: &TimedSystem, steps: &[Step], end: u64) -> ReplayReport {
     let system = with_any_exception(verified);
-    let mut ignore = |_: &Stepper, _: Option<&Seen>| {};
+    let mut ignore = |_: &Stepper, _: Observed| {};
     let mut replay = Replay::new(&system, verified, None, &Watched::default(), &mut ignore);
     for step in steps {
         replay.step(step);

@@ -5,40 +5,23 @@ use std::io::Write;
 
 use dotgen_analysis::terminal;
 use dotgen_recording::record::{self, PortRecording, Recording};
-use dotgen_recording::replay::{Replay, ReplayReport};
-use dotgen_runtime::checker::{Idle, RunChecker, Verdict};
-use dotgen_timing::explore::{Seen, Stepper};
+use dotgen_recording::replay::{Observed, Replay, ReplayReport};
+use dotgen_runtime::checker::RunChecker;
+use dotgen_runtime::engine::End;
+use dotgen_runtime::report::{self, CheckOutcome};
+use dotgen_timing::explore::Stepper;
 use dotgen_timing::property::DataFact;
-use dotgen_timing::property::PropertyKind;
 use dotgen_timing::system::{ClientId, TimedSystem};
 use dotgen_timing::verify::Prepared;
+use serde_json::{Value, json};
 
-use crate::run::check_title;
+use crate::run::text;
 
 /// The checks, and the data of the recording.
 pub(super) struct RecordedChecks<'p> {
     prepared: &'p Prepared,
     facts: &'p [DataFact],
     recorded: PortRecording,
-}
-
-/// The result of a check.
-#[derive(Debug, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) struct CheckResult {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    name: Option<String>,
-    check: PropertyKind,
-    of: String,
-    verdict: Verdict,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    why: Option<String>,
-    /// First moment at which the verdict was known, in units of the system.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    at: Option<u64>,
-    pub(super) violations: u64,
-    #[serde(skip)]
-    title: String,
 }
 
 impl<'p> RecordedChecks<'p> {
@@ -68,9 +51,10 @@ impl<'p> RecordedChecks<'p> {
         judge.find_data(&|fact| {
             facts.values().flatten().any(|&number| self.facts[number].path == fact.path)
         });
-        let mut observe = |stepper: &Stepper<'_>, seen: Option<&Seen>| match seen {
-            Some(seen) => judge.on_event(stepper, seen),
-            None => judge.moment(stepper),
+        let mut observe = |stepper: &Stepper<'_>, observed: Observed| match observed {
+            Observed::Event(seen) => judge.on_event(stepper, seen),
+            Observed::Moment => judge.moment(stepper),
+            Observed::NothingLeft => judge.end_checks(stepper, End::NothingLeft),
         };
         let mut replay = Replay::new(system, verified, outside, &watched, &mut observe);
         let mut messages = self.recorded.messages.iter().peekable();
@@ -94,51 +78,54 @@ impl<'p> RecordedChecks<'p> {
     }
 
     /// Returns the results of the checks. `simulated`: some codels were not executed.
-    pub(super) fn results(&self, judge: &RunChecker<'_>, simulated: bool) -> Vec<CheckResult> {
-        let checks = self.prepared.checks.iter().zip(&judge.answers).enumerate();
-        let results = checks.map(|(number, (check, answer))| CheckResult {
-            name: check.report.name.clone(),
-            check: check.report.kind,
-            of: check.report.of.clone(),
-            verdict: match answer.verdict {
-                Verdict::Kept | Verdict::Seen if simulated => Verdict::Simulated,
-                verdict => verdict,
-            },
-            why: judge.idle(number).map(|idle| self.why(idle)),
-            at: answer.at.map(|moment| moment.time),
-            violations: answer.violations,
-            title: check_title(&check.report),
-        });
-        results.collect()
+    pub(super) fn results(&self, judge: &RunChecker<'_>, simulated: bool) -> Vec<CheckOutcome> {
+        report::checks(self.prepared, judge, simulated)
     }
 
-    fn why(&self, idle: Idle) -> String {
-        match idle {
-            Idle::NoData { fact } | Idle::NotWritten { fact } => {
-                format!("the recording has no data of {}", self.facts[fact].path)
+    /// Returns the results as JSON, with moments in units of the system.
+    pub(super) fn json(checks: &[CheckOutcome], judge: &RunChecker<'_>) -> Value {
+        let checks = checks.iter().zip(&judge.answers).map(|(check, answer)| {
+            let mut out = json!({
+                "check": check.check,
+                "of": check.of,
+                "verdict": check.verdict,
+                "violations": check.violations,
+            });
+            if let Some(name) = &check.name {
+                out["name"] = name.as_str().into();
             }
-            Idle::NoTrigger => "its first condition did not become true".to_owned(),
-            Idle::NotSeen => "it did not become true".to_owned(),
-            Idle::NoCodel { .. } | Idle::NothingExecuted => "no codel was executed".to_owned(),
-        }
+            if let Some(why) = &check.why {
+                out["why"] = why.as_str().into();
+            }
+            if check.exceeded {
+                out["exceeded"] = true.into();
+            }
+            if let Some(at) = answer.at {
+                out["at"] = at.time.into();
+            }
+            out
+        });
+        checks.collect()
     }
 
-    /// Prints the results.
-    pub(super) fn print(&self, checks: &[CheckResult]) -> anyhow::Result<()> {
+    /// Prints the results. `whole`: the run was compared up to its end.
+    pub(super) fn print(&self, checks: &[CheckOutcome], whole: bool) -> anyhow::Result<()> {
         let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
         let unit = self.prepared.report.unit;
-        for check in checks {
-            let time = |at: u64| unit.show(self.prepared.time(at));
-            let at = check.at.map_or(String::new(), |at| format!(" at {}", time(at)));
-            let verdict = match check.verdict {
-                Verdict::Violated => format!("violated{at}"),
-                Verdict::Seen => format!("kept{at}"),
-                Verdict::NotExercised | Verdict::NotSeen => "not exercised".to_owned(),
-                Verdict::Kept => "kept".to_owned(),
-                Verdict::Simulated => "kept by simulated codels:".to_owned(),
-            };
-            let why = check.why.as_ref().map_or(String::new(), |why| format!(": {why}"));
-            writeln!(out, "{verdict} {}{why}", terminal::text(&check.title))?;
+        if !whole && !checks.is_empty() {
+            writeln!(out, "checks, up to the last step that was followed:")?;
+        }
+        text::checks(&mut out, checks, unit)?;
+        for check in checks.iter().filter(|check| check.violations > 0) {
+            if let Some(at) = &check.at {
+                let title = text::title(check);
+                writeln!(
+                    out,
+                    "violated at {} {}",
+                    unit.show_value(at.time),
+                    terminal::text(&title)
+                )?;
+            }
         }
         Ok(())
     }

@@ -59,7 +59,7 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
     ports(out, report, unit)?;
     services(out, report)?;
     transitions(out, report)?;
-    checks(out, report, unit)?;
+    checks(out, &report.checks, unit)?;
     violations(out, report, unit)?;
     ground(out, &report.assumptions, &report.notes)?;
     for (path, count, of) in &answer.written {
@@ -226,8 +226,13 @@ fn word(outcome: &CheckOutcome) -> &'static str {
     }
 }
 
-fn checks(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::Result<()> {
-    let rows = report.checks.iter().map(|check| {
+/// Prints the results of checks.
+pub(crate) fn checks(
+    out: &mut impl Write,
+    checks: &[CheckOutcome],
+    unit: TimeUnit,
+) -> std::io::Result<()> {
+    let rows = checks.iter().map(|check| {
         vec![
             word(check).to_owned(),
             title(check),
@@ -240,7 +245,7 @@ fn checks(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::
     });
     let rows: Vec<_> = rows.collect();
     table(out, &["verdict", "check", "greatest", "limit", "probability"], &rows)?;
-    if let Some(estimate) = report.checks.iter().find_map(|check| check.probability) {
+    if let Some(estimate) = checks.iter().find_map(|check| check.probability) {
         let line = format!(
             "probability: that a run violates the check, or sees the expected event, with the choices as \
              they are drawn; {} % confidence",
@@ -248,7 +253,7 @@ fn checks(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::
         );
         writeln!(out, "{FAINT}{}{FAINT:#}", wrapped(&line, 0, 2))?;
     }
-    for check in &report.checks {
+    for check in checks {
         if let Some(why) = &check.why {
             let line = format!("{OPEN}not exercised{OPEN:#} {}: {why}", title(check));
             writeln!(out, "{}", wrapped(&line, 0, 2))?;
@@ -257,7 +262,8 @@ fn checks(out: &mut impl Write, report: &RunReport, unit: TimeUnit) -> std::io::
     Ok(())
 }
 
-fn title(outcome: &CheckOutcome) -> String {
+/// Returns the name of a check of a run.
+pub(crate) fn title(outcome: &CheckOutcome) -> String {
     titled(outcome.name.as_deref(), outcome.check, &outcome.of)
 }
 
