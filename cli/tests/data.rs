@@ -120,3 +120,64 @@ fn without_data_nothing_is_said_of_them() {
     assert_eq!(verdicts(&replayed)[0], "deadlines simulated");
     assert_eq!(replayed["checks"][1]["why"], why);
 }
+
+#[test]
+fn a_replay_tells_the_end_in_which_nothing_is_left() {
+    let directory = Directory::new(&[
+        (
+            "lamp.gen",
+            "component lamp { task t { codel<start> on() yield ether wcet 1 ms; };
+               function flash() { codel f() wcet 1 ms; }; };\n",
+        ),
+        (
+            "s.scn",
+            "scenario s { use \"lamp.gen\"; client k { send lamp.flash; }
+               check deadlock; check eventually lamp.t.start.lock and lamp.t.idle; }\n",
+        ),
+    ]);
+    let words = ["run", "s.scn", "--simulate", "all", "--format", "json", "--record", "run.mcap"];
+    let report = json_of(&directory.run(&words));
+    assert_eq!(report["end"], "nothing-left", "{report:#}");
+    let output = directory.run(&["replay", "run.mcap", "s.scn", "--format", "json"]);
+    let replayed = json_of(&output);
+    let of = |report: &Value, key: &str| -> Vec<Value> {
+        let checks = report["checks"].as_array().expect("a list").iter();
+        checks.map(|check| check[key].clone()).collect()
+    };
+    assert_eq!(of(&replayed, "verdict"), of(&report, "verdict"), "{replayed:#}");
+    assert_eq!(of(&replayed, "violations"), of(&report, "violations"));
+    assert!(of(&replayed, "verdict").contains(&"violated".into()), "{replayed:#}");
+}
+
+#[test]
+fn weights_of_the_scenario_are_those_of_the_option_and_the_option_goes_first() {
+    let weights = |main: u32| {
+        format!("t::lamp_start::lamp_pause_start {main}\nt::lamp_start::lamp_dark {}\n", 9 - main)
+    };
+    let scenario =
+        "scenario s { use \"lamp.gen\"; weights \"a.proba\"; check schedulable lamp.t; }\n";
+    let directory = Directory::new(&[
+        (
+            "lamp.gen",
+            "component lamp { task t { period 10 ms;
+               codel<start> on() yield pause::start, dark wcet 1 ms;
+               codel<dark> off() yield pause::start wcet 1 ms; }; };\n",
+        ),
+        ("a.proba", &weights(9)),
+        ("b.proba", &weights(0)),
+        ("s.scn", scenario),
+        ("plain.scn", &scenario.replace("weights \"a.proba\";", "")),
+    ]);
+    let dark = |words: &[&str]| {
+        let all = ["run", "--simulate", "all", "--until", "1s", "--format", "json"];
+        let output = directory.run(&[&all[..], words].concat());
+        let report = json_of(&output);
+        let codels = report["codels"].as_array().expect("a list").iter();
+        let runs = codels.filter(|codel| codel["codel"] == "lamp.t.dark");
+        runs.map(|codel| codel["runs"].as_u64().expect("a number")).sum::<u64>()
+    };
+    assert_eq!(dark(&["s.scn"]), 0);
+    assert!(dark(&["s.scn", "--weights", "b.proba"]) > 90);
+    let without = dark(&["plain.scn"]);
+    assert!((1..90).contains(&without), "{without}");
+}
