@@ -19,7 +19,7 @@ use super::{Outcome, SpecificationOptions, report, session};
 /// Words of the first lines of each file that the command writes.
 const MARK: &str = "written by dotgen export";
 
-/// Write the formal model of a scenario for UPPAAL, TChecker or TINA
+/// Write the formal model of a scenario for UPPAAL, TChecker, TINA or BIP
 ///
 /// The model has cores, policy, clients, durations and checks of the scenario. What the format cannot say is
 /// an error that names it; nothing is left out.
@@ -62,6 +62,8 @@ enum Tool {
     Tchecker,
     /// Fiacre program of TINA (.fcr), a property for each check
     Fiacre,
+    /// BIP 2 with real time (.bip), a place for each check
+    Bip,
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
@@ -92,6 +94,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         Tool::Uppaal => Format::Uppaal,
         Tool::Tchecker => Format::TChecker,
         Tool::Fiacre => Format::Fiacre,
+        Tool::Bip => Format::Bip,
     };
     let files = match export(&prepared, &place, format) {
         Ok(files) => files,

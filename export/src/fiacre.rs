@@ -9,9 +9,7 @@ use std::fmt::Write as _;
 use self::clocks::names;
 use self::plan::{Machine, Plan, Port, Transition};
 use crate::File;
-use crate::model::{
-    Guard, Location, LocationKind, Network, QueryKind, Relation, Term, Update, Variable,
-};
+use crate::model::{Guard, Location, LocationKind, Network, Relation, Term, Update, Variable};
 use crate::translate::Refusal;
 
 /// Words of Fiacre and of its properties. A location with such a name gets a `_`.
@@ -109,10 +107,6 @@ const NOTES: &[&str] = &[
 ///
 /// Everything that Fiacre cannot say.
 pub(crate) fn print(network: &Network) -> Result<File, Vec<Refusal>> {
-    let refusals = unasked(network);
-    if !refusals.is_empty() {
-        return Err(refusals);
-    }
     let plan = Plan::new(network)?;
     let mut out = String::new();
     for line in network.header.iter().map(|line| &**line).chain(NOTES.iter().copied()) {
@@ -126,27 +120,6 @@ pub(crate) fn print(network: &Network) -> Result<File, Vec<Refusal>> {
     component(network, &plan, &mut out);
     properties(network, &plan, &mut out);
     Ok(File { name: format!("{}.fcr", network.name), text: out })
-}
-
-/// Returns the queries that have no property.
-fn unasked(network: &Network) -> Vec<Refusal> {
-    let has_limit = |name: &str| {
-        let mut limits =
-            network.queries.iter().filter(|query| matches!(query.kind, QueryKind::Never { .. }));
-        limits.any(|query| query.name == name)
-    };
-    let mut out = Vec::new();
-    for query in &network.queries {
-        let why = match query.kind {
-            QueryKind::Lively { .. } => "deadlock (not translated to Fiacre)",
-            QueryKind::Greatest(_) if !has_limit(&query.name) => {
-                "time without a limit (Fiacre has no greatest value)"
-            }
-            _ => continue,
-        };
-        out.push(Refusal::new(why, Some(query.name.clone())));
-    }
-    out
 }
 
 /// Returns the greatest number of a program, in variables or as an index.
@@ -295,18 +268,14 @@ fn interval(port: &Port) -> String {
 
 fn properties(network: &Network, plan: &Plan, out: &mut String) {
     for query in &network.queries {
-        let (process, location, meaning) = match &query.kind {
-            QueryKind::Never { process, location } => {
-                (process, location, "the check holds if true")
-            }
-            QueryKind::Reachable { process, location } => {
-                (process, location, "the check holds if false: a run reaches the state")
-            }
-            // The limit of the check is a property.
-            QueryKind::Greatest(_) | QueryKind::Lively { .. } => continue,
+        // The limit of a check of a time is a property.
+        let Some((process, location, is_wanted)) = query.goal() else { continue };
+        let meaning = if is_wanted {
+            "the check holds if false: a run reaches the state"
+        } else {
+            "the check holds if true"
         };
-        let number =
-            1 + plan.machines.iter().take_while(|machine| machine.name != *process).count();
+        let number = 1 + plan.machines.iter().take_while(|machine| machine.name != process).count();
         let state = state(location);
         let _ = writeln!(out, "\n// {}: {meaning}", query.name);
         let path = format!("main_{}/{number}/state {state}", network.name);

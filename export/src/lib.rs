@@ -1,10 +1,11 @@
-//! Formal models of GenoM3 systems for the tools of others: UPPAAL, TChecker and TINA.
+//! Formal models of GenoM3 systems for the tools of others: UPPAAL, TChecker, TINA and BIP.
 //!
 //! Data flows one way: the timed system that the verifier explores, with the questions of its checks,
 //! becomes a [`model::Network`] of timed automata ([`translate()`]). A printer writes the network in the
 //! language of a tool. A model has the verdicts of the verifier's exact exploration; what is not translated
 //! exactly is [refused](Refusal), with its place.
 
+mod bip;
 mod fiacre;
 pub mod model;
 mod tchecker;
@@ -13,6 +14,7 @@ mod uppaal;
 
 use dotgen_timing::verify::Prepared;
 
+use self::model::{Network, Query, QueryKind};
 pub use self::translate::{Place, Refusal, translate};
 
 /// The language of a tool.
@@ -24,6 +26,32 @@ pub enum Format {
     TChecker,
     /// `frac` of TINA: a Fiacre program (`.fcr`) with a property for each query.
     Fiacre,
+    /// BIP 2 with real time: a package (`.bip`) with a comment for each query.
+    Bip,
+}
+
+impl Format {
+    /// Returns the refusal of a query that the language cannot ask.
+    fn refusal(self, query: &Query, network: &Network) -> Option<Refusal> {
+        let has_limit = || {
+            let mut same = network.queries.iter().filter(|other| other.name == query.name);
+            same.any(|other| matches!(other.kind, QueryKind::Never { .. }))
+        };
+        let tool = match self {
+            Format::Uppaal => return None,
+            Format::TChecker => "TChecker",
+            Format::Fiacre => "Fiacre",
+            Format::Bip => "BIP",
+        };
+        let why = match query.kind {
+            QueryKind::Lively { .. } => format!("deadlock ({tool} has no such query)"),
+            QueryKind::Greatest(_) if self != Format::TChecker && !has_limit() => {
+                format!("time without a limit ({tool} has no greatest value)")
+            }
+            _ => return None,
+        };
+        Some(Refusal::new(&why, Some(query.name.clone())))
+    }
 }
 
 /// A file to write.
@@ -46,13 +74,15 @@ pub fn export(
     format: Format,
 ) -> Result<Vec<File>, Vec<Refusal>> {
     let network = translate(prepared, place)?;
-    let is_deadlock = |query: &model::Query| matches!(query.kind, model::QueryKind::Lively { .. });
-    if format == Format::TChecker && network.queries.iter().any(is_deadlock) {
-        return Err(vec![Refusal::new("deadlock (TChecker has no such query)", None)]);
+    let refused = network.queries.iter().filter_map(|query| format.refusal(query, &network));
+    let refusals: Vec<Refusal> = refused.collect();
+    if !refusals.is_empty() {
+        return Err(refusals);
     }
     Ok(match format {
         Format::Uppaal => uppaal::print(&network),
         Format::TChecker => vec![tchecker::print(&network)],
         Format::Fiacre => vec![fiacre::print(&network)?],
+        Format::Bip => vec![bip::print(&network)?],
     })
 }

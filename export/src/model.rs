@@ -12,6 +12,8 @@ pub struct Network {
     pub name: String,
     /// Lines of the head comment.
     pub header: Vec<String>,
+    /// Length of the base unit of time; `None` if it is not a whole number of nanoseconds.
+    pub nanoseconds: Option<i64>,
     pub variables: Vec<Variable>,
     pub clocks: Vec<Clock>,
     /// Channels, each with a comment. A channel synchronises exactly two processes.
@@ -128,6 +130,17 @@ impl Relation {
             Relation::Greater => ">",
         }
     }
+
+    /// Returns true if the comparison of two numbers holds.
+    pub fn holds(self, left: i64, right: i64) -> bool {
+        match self {
+            Relation::Equal => left == right,
+            Relation::NotEqual => left != right,
+            Relation::Less => left < right,
+            Relation::AtLeast => left >= right,
+            Relation::Greater => left > right,
+        }
+    }
 }
 
 /// Condition over integers.
@@ -180,6 +193,18 @@ pub enum QueryKind {
     Lively { process: String, location: String },
     /// The greatest value of each clock while its condition holds.
     Greatest(Vec<(Guard, String)>),
+}
+
+impl Query {
+    /// Returns the process and the location that answer the query when they are reached, and whether the
+    /// check holds then; `None` if the query is not about a location.
+    pub fn goal(&self) -> Option<(&str, &str, bool)> {
+        match &self.kind {
+            QueryKind::Never { process, location } => Some((process, location, false)),
+            QueryKind::Reachable { process, location } => Some((process, location, true)),
+            QueryKind::Greatest(_) | QueryKind::Lively { .. } => None,
+        }
+    }
 }
 
 impl Guard {
@@ -347,6 +372,11 @@ impl Edge {
         self
     }
 
+    /// Returns true if an update sets a clock to 0.
+    pub fn resets(&self, clock: &str) -> bool {
+        self.updates.iter().any(|update| matches!(update, Update::Reset(name) if name == clock))
+    }
+
     pub fn sends(mut self, channel: &str) -> Edge {
         self.sync = Some(Sync::Send(channel.to_owned()));
         self
@@ -392,6 +422,16 @@ impl Process {
         if let (Some(most), Some(location)) = (most, self.locations.last_mut()) {
             location.invariant = Some((clock.to_owned(), most));
         }
+    }
+
+    /// Returns true if an invariant or an edge compares or resets a clock.
+    pub fn names_clock(&self, clock: &str) -> bool {
+        let mut invariants =
+            self.locations.iter().filter_map(|location| location.invariant.as_ref());
+        invariants.any(|(name, _)| name == clock)
+            || self.edges.iter().any(|edge| {
+                edge.resets(clock) || edge.clocks.iter().any(|guard| guard.clock == clock)
+            })
     }
 
     /// Adds an edge.

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::File;
 use crate::model::{
-    Edge, Guard, Location, LocationKind, Network, Process, QueryKind, Relation, Sync, Term, Update,
+    Edge, Guard, Location, LocationKind, Network, Process, Relation, Sync, Term, Update,
 };
 
 /// Event of edges without synchronisation.
@@ -48,12 +48,8 @@ fn comment(out: &mut String, text: &str) {
 
 fn queries(network: &Network, out: &mut String) {
     for query in &network.queries {
-        let location = match &query.kind {
-            QueryKind::Never { location, .. } | QueryKind::Reachable { location, .. } => location,
-            // TChecker has no such query. The limit of a check of a time has one, and a check of deadlocks is
-            // refused.
-            QueryKind::Greatest(_) | QueryKind::Lively { .. } => continue,
-        };
+        // The limit of a check of a time is a query, and a check of deadlocks is refused.
+        let Some((_, location, _)) = query.goal() else { continue };
         comment(out, "");
         comment(out, &format!("{}: tck-reach -l {location}", query.name));
         for line in &query.comment {

@@ -24,7 +24,7 @@ mod task;
 mod timer;
 mod unique;
 
-use dotgen_analysis::model::Src;
+use dotgen_analysis::model::{Seconds, Src};
 use dotgen_timing::system::unfolded;
 use dotgen_timing::verify::Prepared;
 
@@ -61,6 +61,7 @@ pub fn translate(prepared: &Prepared, place: &Place) -> Result<Network, Vec<Refu
     let mut network = Network {
         name: identifier(&prepared.report.scenario),
         header: header(prepared),
+        nanoseconds: nanoseconds(prepared.built.system.unit),
         ..Network::default()
     };
     network.header.extend(layout.renamed.iter().cloned());
@@ -100,6 +101,15 @@ fn shared_name(network: &Network) -> Option<&str> {
     all.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0])
 }
 
+/// Returns a time in nanoseconds; `None` if it is not a whole number of them.
+fn nanoseconds(time: Seconds) -> Option<i64> {
+    let time = time * Seconds::from_integer(1_000_000_000);
+    time.is_integer().then(|| i64::try_from(time.to_integer()).ok())?
+}
+
+/// First words of the line of the head comment that says the unit of all times.
+pub(crate) const UNIT_LINE: &str = "all times are numbers of ";
+
 fn header(prepared: &Prepared) -> Vec<String> {
     let system = &prepared.built.system;
     let base = layout::in_words(system.unit, 1);
@@ -112,7 +122,7 @@ fn header(prepared: &Prepared) -> Vec<String> {
     let mut out = vec![
         format!("{}: formal model, written by dotgen export", prepared.report.scenario),
         format!("semantics {}; {cores}", prepared.report.semantics),
-        format!("all times are numbers of {base}"),
+        format!("{UNIT_LINE}{base}"),
     ];
     out.extend(durations);
     out

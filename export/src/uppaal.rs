@@ -130,7 +130,7 @@ fn updates(edge: &Edge) -> Vec<String> {
 }
 
 /// Prints a condition, in parentheses unless it is a comparison.
-fn operand(of: &Guard) -> String {
+pub(crate) fn operand(of: &Guard) -> String {
     match of {
         Guard::Compare(left, relation, right) => {
             format!("{} {} {}", term(left), relation.text(), term(right))
@@ -139,7 +139,7 @@ fn operand(of: &Guard) -> String {
     }
 }
 
-fn guard(of: &Guard) -> String {
+pub(crate) fn guard(of: &Guard) -> String {
     let join = |list: &[Guard], word: &str, none: &str| {
         let parts: Vec<String> = list.iter().map(operand).collect();
         if parts.is_empty() { none.to_owned() } else { parts.join(word) }
@@ -151,7 +151,7 @@ fn guard(of: &Guard) -> String {
     }
 }
 
-fn term(of: &Term) -> String {
+pub(crate) fn term(of: &Term) -> String {
     match of {
         Term::Number(number) => number.to_string(),
         Term::Variable(name) => name.clone(),

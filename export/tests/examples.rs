@@ -84,6 +84,11 @@ fn pump_in_fiacre() {
     insta::assert_snapshot!(files("pump/pump.scn", Format::Fiacre));
 }
 
+#[test]
+fn pump_in_bip() {
+    insta::assert_snapshot!(files("pump/pump.scn", Format::Bip));
+}
+
 /// Returns the refusals of the pump with options.
 fn refusals(options: &Options) -> Vec<String> {
     let prepared = example("pump/pump.scn").prepared(options);
@@ -101,17 +106,19 @@ fn what_is_not_translated_is_refused_by_name() {
 }
 
 #[test]
-fn fiacre_has_neither_deadlocks_nor_greatest_times() {
+fn fiacre_and_bip_have_neither_deadlocks_nor_greatest_times() {
     let checks =
         ["deadlock", "response pump.control"].map(|check| parse_check(check).expect(check));
     for check in checks {
         let options = Options { checks: check.clone(), ..Options::default() };
         let prepared = example("pump/pump.scn").prepared(&options);
-        let refusals = export(&prepared, &|_, _| None, Format::Fiacre).expect_err("refused");
-        let refusals: Vec<String> = refusals.iter().map(ToString::to_string).collect();
-        let [refusal] = &refusals[..] else { panic!("{refusals:?}") };
-        assert!(refusal.contains("Fiacre"), "{refusal}");
-        assert!(export(&prepared, &|_, _| None, Format::Uppaal).is_ok(), "{refusal}");
+        for (format, tool) in [(Format::Fiacre, "Fiacre"), (Format::Bip, "BIP")] {
+            let refusals = export(&prepared, &|_, _| None, format).expect_err("refused");
+            let refusals: Vec<String> = refusals.iter().map(ToString::to_string).collect();
+            let [refusal] = &refusals[..] else { panic!("{refusals:?}") };
+            assert!(refusal.contains(tool), "{refusal}");
+        }
+        assert!(export(&prepared, &|_, _| None, Format::Uppaal).is_ok());
     }
 }
 
@@ -132,7 +139,7 @@ fn parts_with_one_name_get_a_number() {
     let mut counts = Counts::default();
     compare_system(&system, "two components", 20_000, &mut counts);
     assert_eq!((counts.refused, counts.equal), (0, 2), "{counts:?}");
-    for format in [Format::Uppaal, Format::TChecker, Format::Fiacre] {
+    for format in [Format::Uppaal, Format::TChecker, Format::Fiacre, Format::Bip] {
         let files = export(&system.prepared(&Options::default()), &|_, _| None, format);
         let text = files.expect("it is exported").swap_remove(0).text;
         for line in [

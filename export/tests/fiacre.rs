@@ -419,44 +419,56 @@ impl Program {
     }
 }
 
+/// Returns whether the state of the check of a model is reached, and whether the check holds then; `None` if
+/// there are too many states.
+type Answer = fn(&str) -> Option<(bool, bool)>;
+
 /// Compares the answers to each check of a system with those of the verifier. Returns how many checks have a
 /// state that is not reached, and how many have one that is.
-fn compare(system: &System, path: &str) -> [usize; 2] {
+fn compare(system: &System, path: &str, format: Format, answer: Answer) -> [usize; 2] {
     let limits = Limits { states: VERIFIER_STATES, ..Limits::default() };
     let options = Options { limits, ..Options::default() };
     let (prepared, report) = (system.prepared(&options), system.report(&options));
     let mut equal = [0, 0];
     for check in &prepared.checks {
-        let answer = report.checks.iter().find(|answer| answer.id == check.report.id);
+        let known = report.checks.iter().find(|known| known.id == check.report.id);
         let mut alone = prepared.clone();
         alone.checks = vec![check.clone()];
-        let Ok(files) = export(&alone, &|_, _| None, Format::Fiacre) else { continue };
-        let program = Program::read(&files[0].text);
-        let (Some(reached), Some(answer)) = (program.is_reached(), answer) else { continue };
-        if matches!(answer.verdict, Verdict::Unknown | Verdict::Nothing) {
+        let Ok(files) = export(&alone, &|_, _| None, format) else { continue };
+        let (Some((reached, is_wanted)), Some(known)) = (answer(&files[0].text), known) else {
+            continue;
+        };
+        if matches!(known.verdict, Verdict::Unknown | Verdict::Nothing) {
             continue;
         }
-        let witnesses = files[0].text.contains("the check holds if false");
         let subject = format!("{path}: {} {}", check.report.kind, check.report.of);
-        assert_eq!(reached, answer.verdict.holds() == witnesses, "{subject}");
+        assert_eq!(reached, known.verdict.holds() == is_wanted, "{subject}");
         equal[usize::from(reached)] += 1;
     }
     equal
 }
 
-#[test]
-fn random_systems_have_the_answers_of_the_verifier() {
+/// Compares the models of random systems with the verifier.
+pub(crate) fn compare_random(systems: u64, format: Format, answer: Answer) {
     let (mut equal, mut tried) = ([0, 0], 0);
-    for seed in 0..dotgen_loaders::times(24) {
+    for seed in 0..dotgen_loaders::times(systems) {
         let draw = if seed % 2 == 0 { random::texts } else { random::patterned };
         let texts = draw(&mut Dice::new(seed));
         let Some(system) = System::of_texts(&texts.specifications, &texts.scenario) else {
             continue;
         };
         tried += 1;
-        let found = compare(&system, &format!("seed {seed}"));
+        let found = compare(&system, &format!("seed {seed}"), format, answer);
         equal = [equal[0] + found[0], equal[1] + found[1]];
     }
     eprintln!("{equal:?} answers of {tried} systems are equal");
     assert!(equal.iter().all(|&count| count > 5), "{equal:?}");
+}
+
+#[test]
+fn random_systems_have_the_answers_of_the_verifier() {
+    compare_random(24, Format::Fiacre, |text| {
+        let reached = Program::read(text).is_reached()?;
+        Some((reached, text.contains("the check holds if false")))
+    });
 }

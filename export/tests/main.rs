@@ -1,5 +1,6 @@
 //! Tests of exported models.
 
+mod bip;
 mod checks;
 mod examples;
 mod fiacre;

@@ -74,7 +74,7 @@ impl<'n> Clocks<'n> {
         let mut out = Clocks { network, own: BTreeMap::new(), watches: BTreeSet::new() };
         for clock in &network.clocks {
             let mut users =
-                network.processes.iter().filter(|process| mentions(process, &clock.name));
+                network.processes.iter().filter(|process| process.names_clock(&clock.name));
             if let (Some(only), None) = (users.next(), users.next())
                 && is_reset_on_entry(only, &clock.name)
             {
@@ -228,22 +228,13 @@ fn compared<'p>(process: &'p Process, location: &'p Location) -> BTreeSet<&'p st
     guards.map(|guard| &*guard.clock).chain(invariant).collect()
 }
 
-fn resets(edge: &Edge, clock: &str) -> bool {
-    edge.updates.iter().any(|update| matches!(update, Update::Reset(name) if name == clock))
-}
-
-fn mentions(process: &Process, clock: &str) -> bool {
-    process.locations.iter().any(|location| compared(process, location).contains(clock))
-        || process.edges.iter().any(|edge| resets(edge, clock))
-}
-
 /// Returns true if a clock is 0 whenever a location that compares the clock is entered.
 fn is_reset_on_entry(process: &Process, clock: &str) -> bool {
     let mut comparing =
         process.locations.iter().filter(|location| compared(process, location).contains(clock));
     comparing.all(|location| {
         let mut entering = process.edges.iter().filter(|edge| edge.target == location.name);
-        location.kind == LocationKind::Normal && entering.all(|edge| resets(edge, clock))
+        location.kind == LocationKind::Normal && entering.all(|edge| edge.resets(clock))
     })
 }
 
@@ -299,13 +290,7 @@ fn holds(condition: &Guard, values: &BTreeMap<&str, i64>) -> Option<bool> {
     Some(match condition {
         Guard::Compare(left, relation, right) => {
             let (left, right) = (value(left, values)?, value(right, values)?);
-            match relation {
-                Relation::Equal => left == right,
-                Relation::NotEqual => left != right,
-                Relation::Less => left < right,
-                Relation::AtLeast => left >= right,
-                Relation::Greater => left > right,
-            }
+            relation.holds(left, right)
         }
         Guard::And(list) => {
             let parts: Option<Vec<bool>> = list.iter().map(|part| holds(part, values)).collect();
