@@ -9,8 +9,10 @@ use dotgen_export::{Format, export};
 use dotgen_platform::files::vfs;
 use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::verify::{Options, SystemInput, prepare};
+use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
+use dotgen_views::verification::Problem;
 
+use super::session::Session;
 use super::system_options::{DurationsName, SystemOptions};
 use super::verify::diagnostics::ScenarioDiagnostics;
 use super::verify::{body, one_problem, parsed};
@@ -31,13 +33,20 @@ pub(super) struct Arguments {
     #[arg(value_name = "TOOL", value_enum)]
     tool: Tool,
 
-    /// A scenario (.scn), or specifications (.gen)
-    #[arg(value_name = "FILE", required = true)]
-    files: Vec<Utf8PathBuf>,
-
     /// Write the files into DIR
     #[arg(long, short, value_name = "DIR", default_value = ".")]
     output: Utf8PathBuf,
+
+    #[command(flatten)]
+    model: ModelOptions,
+}
+
+/// The system of a formal model, and its checks.
+#[derive(Debug, Args)]
+pub(super) struct ModelOptions {
+    /// A scenario (.scn), or specifications (.gen)
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<Utf8PathBuf>,
 
     #[command(flatten)]
     system: SystemOptions,
@@ -46,7 +55,7 @@ pub(super) struct Arguments {
     #[arg(long, value_enum)]
     durations: Option<DurationsName>,
 
-    /// Export CHECK instead of the scenario's checks, for example "response arm.motion <= 5 ms"
+    /// Use CHECK instead of the scenario's checks, for example "response arm.motion <= 5 ms"
     #[arg(long = "check", value_name = "CHECK", action = clap::ArgAction::Append)]
     checks: Vec<String>,
 
@@ -66,24 +75,40 @@ enum Tool {
     Bip,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
-    let Some((session, problem)) = one_problem(&arguments.files, &arguments.reading)? else {
-        return Ok(Outcome::Unusable);
-    };
-    let checks: Vec<&str> = arguments.checks.iter().map(|check| body(check)).collect();
-    let options = Options {
-        durations: arguments.durations.map(DurationsName::durations),
-        checks: parsed(&checks, &problem)?,
-        ..arguments.system.options()
-    };
-    let input = SystemInput { specs: problem.specs() };
-    let prepared = prepare(&input, &problem.scenario, &options);
-    let told = together(&prepared.report.diagnostics);
-    ScenarioDiagnostics::by_verifier(&session, &problem, &told, &checks)?.print()?;
-    if prepared.report.has_errors() {
-        return Ok(Outcome::Unusable);
+/// The system of a formal model.
+pub(super) struct Model {
+    session: Session,
+    pub(super) problem: Problem,
+    pub(super) options: Options,
+    pub(super) prepared: Prepared,
+}
+
+impl ModelOptions {
+    /// Prepares the system. Returns `None` after errors, which are printed.
+    pub(super) fn model(&self) -> anyhow::Result<Option<Model>> {
+        let Some((session, problem)) = one_problem(&self.files, &self.reading)? else {
+            return Ok(None);
+        };
+        let checks: Vec<&str> = self.checks.iter().map(|check| body(check)).collect();
+        let options = Options {
+            durations: self.durations.map(DurationsName::durations),
+            checks: parsed(&checks, &problem)?,
+            ..self.system.options()
+        };
+        let input = SystemInput { specs: problem.specs() };
+        let prepared = prepare(&input, &problem.scenario, &options);
+        let told = together(&prepared.report.diagnostics);
+        ScenarioDiagnostics::by_verifier(&session, &problem, &told, &checks)?.print()?;
+        let is_usable = !prepared.report.has_errors();
+        Ok(is_usable.then_some(Model { session, problem, options, prepared }))
     }
-    let names = Names::new(&input.specs);
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let Some(Model { session, problem, prepared, .. }) = arguments.model.model()? else {
+        return Ok(Outcome::Unusable);
+    };
+    let names = Names::new(&problem.specs());
     let place = |component: usize, src: Src| {
         let (path, range) = problem.place(names.components.get(component)?.spec_index, src)?;
         let text = session.ask(&path, |analysis| analysis.text(&path)).ok()??;

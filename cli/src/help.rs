@@ -11,7 +11,7 @@ const COMMANDS: &[(&str, &[&str])] = &[
     ("First steps", &["new", "check", "codels", "verify", "run"]),
     (
         "Specifications",
-        &["fmt", "explain", "query", "deps", "diagram", "generate", "scenario", "export"],
+        &["fmt", "explain", "query", "deps", "diagram", "generate", "scenario", "export", "trace"],
     ),
     ("Running components", &["call", "watch", "write", "play"]),
     ("Recordings and times", &["monitor", "replay", "wcet"]),

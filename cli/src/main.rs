@@ -33,8 +33,8 @@ mod scenario;
 mod session;
 mod suggestion;
 mod system_options;
-#[cfg(unix)]
 mod trace;
+mod traces;
 mod tree;
 mod verify;
 mod wcet;
@@ -80,6 +80,7 @@ enum Command {
     Verify(verify::Arguments),
     Scenario(scenario::Arguments),
     Export(export::Arguments),
+    Trace(traces::Arguments),
     Run(Box<run::Arguments>),
     #[cfg(unix)]
     Call(call::Call),
@@ -199,6 +200,7 @@ fn main() -> ExitCode {
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Scenario(arguments) => scenario::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
+        Command::Trace(arguments) => traces::run(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         #[cfg(unix)]
         Command::Call(arguments) => call::call(&arguments),

@@ -31,7 +31,7 @@ const VERIFY_SECONDS: &str = "100";
 /// A request, which can be cancelled.
 type Context = RequestContext<RoleServer>;
 
-/// Serve dotgen's commands as tools of the Model Context Protocol, on standard input and output
+/// Serve commands as tools of the Model Context Protocol on standard input and output
 ///
 /// For assistants. Tools: look_up, check, fix, codels, verify, simulate, draw, explain. Only `fix` and
 /// `codels` change files.

@@ -290,5 +290,7 @@ fn each_command_about_formal_models_prints_what_the_page_says() {
     assert!(steps.len() > 5, "the commands are found");
     let mut shell = Shell::new();
     shell.link(&["examples"]);
+    let trace = include_str!("../../export/tests/tank.dot");
+    std::fs::write(shell.folder.path().join("miss.dot"), trace).expect("the folder is writable");
     shell.follow("docs/formal.md", &steps);
 }

@@ -4,9 +4,12 @@
 //! becomes a [`model::Network`] of timed automata ([`translate()`]). A printer writes the network in the
 //! language of a tool. A model has the verdicts of the verifier's exact exploration; what is not translated
 //! exactly is [refused](Refusal), with its place.
+//!
+//! A trace of another tool comes back as a run of the verifier ([`import()`]).
 
 mod bip;
 mod fiacre;
+mod import;
 pub mod model;
 mod tchecker;
 pub mod translate;
@@ -14,6 +17,7 @@ mod uppaal;
 
 use dotgen_timing::verify::Prepared;
 
+pub use self::import::{Error, Goal, Imported, MAX_BYTES, import};
 use self::model::{Network, Query, QueryKind};
 pub use self::translate::{Place, Refusal, translate};
 

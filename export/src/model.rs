@@ -5,6 +5,8 @@
 //! are no functions, no broadcasts, no urgent channels and no priorities: *urgent* locations stop time,
 //! *committed* ones also stop every process that is not in a committed location.
 
+use dotgen_timing::explore::Action;
+
 /// A network of timed automata.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Network {
@@ -90,6 +92,9 @@ pub struct Edge {
     pub sync: Option<Sync>,
     /// Updates, in order.
     pub updates: Vec<Update>,
+    /// Action of the verifier that begins with the edge. The edges that follow through committed locations
+    /// are parts of the action.
+    pub action: Option<Action>,
     /// Meaning.
     pub comment: String,
 }
@@ -176,6 +181,8 @@ pub enum Update {
 /// A question to the tool.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Query {
+    /// Number of the check among those of the system, from 0.
+    pub check: usize,
     /// Kind and subject of the check, after its name if it has one.
     pub name: String,
     /// The answer that confirms the check, and what it means.
@@ -353,6 +360,7 @@ impl Edge {
             clocks: Vec::new(),
             sync: None,
             updates: Vec::new(),
+            action: None,
             comment: comment.into(),
         }
     }
@@ -389,6 +397,12 @@ impl Edge {
 
     pub fn with(mut self, updates: impl IntoIterator<Item = Update>) -> Edge {
         self.updates.extend(updates);
+        self
+    }
+
+    /// Sets the action of the verifier that begins with the edge.
+    pub fn begins(mut self, action: Action) -> Edge {
+        self.action = Some(action);
         self
     }
 }

@@ -8,7 +8,7 @@ use crate::model::{
 };
 
 /// Event of edges without synchronisation.
-const ALONE: &str = "alone";
+pub(crate) const ALONE: &str = "alone";
 
 /// Prints a network with a label for each query.
 pub(crate) fn print(network: &Network) -> File {

@@ -44,6 +44,7 @@ pub type Place<'p> = dyn Fn(usize, Src) -> Option<String> + 'p;
 ///
 /// Everything that the network cannot contain.
 pub fn translate(prepared: &Prepared, place: &Place) -> Result<Network, Vec<Refusal>> {
+    let original = &prepared.built.system;
     let mut prepared = prepared.clone();
     for machine in &mut prepared.built.system.machines {
         if machine.loop_limit.is_some()
@@ -57,7 +58,7 @@ pub fn translate(prepared: &Prepared, place: &Place) -> Result<Network, Vec<Refu
     if !refusals.is_empty() {
         return Err(refusals);
     }
-    let layout = Layout::new(prepared, place);
+    let layout = Layout::new(prepared, original, place);
     let mut network = Network {
         name: identifier(&prepared.report.scenario),
         header: header(prepared),

@@ -83,24 +83,32 @@ component c {
 };
 ";
 
-#[test]
-fn loops_with_limits() {
+/// Returns systems with limits of loops, each with its limits.
+pub(crate) fn looping() -> Vec<(&'static str, System)> {
     let in_turns =
         "client k { delay 10 ms; send c.s0; } check schedulable c.t0; check response c.t0;
         check never c.s0.start.exec and c.t0.x.exec;";
     let in_rounds = "check never c.t1.start.exec and c.t0.x.exec; check reachable c.t1.z.exec;";
-    for (text, limits, checks) in [
+    let all = [
         (LOOPS, "loop once c.t0; loop once c.s0;", in_turns),
         (LOOPS, "loop 2 c.t0; loop 3 c.s0;", in_turns),
         (ROUNDS, "loop once c.t1;", in_rounds),
         (ROUNDS, "loop 2 c.t1;", in_rounds),
-    ] {
+    ];
+    let systems = all.into_iter().map(|(text, limits, checks)| {
         let scenario = format!(
             "scenario s {{ semantics servers; unit 1 ms; durations fixed; {limits} {checks}
              check lasts c.t0.x.exec <= 1 ms; check deadlock; }}"
         );
         let system = System::of_texts(&[text.to_owned()], &scenario);
-        let system = system.expect("the specification has no error");
+        (limits, system.expect("the specification has no error"))
+    });
+    systems.collect()
+}
+
+#[test]
+fn loops_with_limits() {
+    for (limits, system) in looping() {
         let prepared = system.prepared(&Options::default());
         let errors: Vec<_> = prepared.report.diagnostics.iter().map(|d| &d.message).collect();
         assert!(!prepared.report.has_errors(), "{errors:?}");

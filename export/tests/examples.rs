@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use dotgen_export::{Format, export};
+use dotgen_export::{Format, Place, export};
 use dotgen_timing::scn::ast::{Durations, Policy};
 use dotgen_timing::scn::parse_check;
 use dotgen_timing::scn::semantics::Preset;
@@ -15,10 +15,13 @@ fn example(path: &str) -> System {
     System::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(path))
 }
 
-fn files(path: &str, format: Format) -> String {
-    let system = example(path);
-    let place = |component, src| system.place(component, src);
-    let files = export(&system.prepared(&Options::default()), &place, format);
+fn pump(format: Format) -> String {
+    let system = example("pump/pump.scn");
+    files(&system, &|component, src| system.place(component, src), format)
+}
+
+fn files(system: &System, place: &Place, format: Format) -> String {
+    let files = export(&system.prepared(&Options::default()), place, format);
     let files = files.expect("the example can be exported");
     let texts = files.iter().filter(|file| !file.name.ends_with(".xml"));
     let texts = texts.map(|file| format!("===== {} =====\n{}", file.name, file.text));
@@ -27,7 +30,7 @@ fn files(path: &str, format: Format) -> String {
 
 #[test]
 fn pump_for_uppaal() {
-    insta::assert_snapshot!(files("pump/pump.scn", Format::Uppaal));
+    insta::assert_snapshot!(pump(Format::Uppaal));
 }
 
 /// The drawing has the locations, edges and queries of the text, each location in a place of its own.
@@ -76,17 +79,53 @@ fn durations_are_in_the_header() {
 
 #[test]
 fn pump_for_tchecker() {
-    insta::assert_snapshot!(files("pump/pump.scn", Format::TChecker));
+    insta::assert_snapshot!(pump(Format::TChecker));
+}
+
+/// Returns the model of a task with one codel, without the scheduler and the variables.
+fn small(format: Format) -> String {
+    let specification = "component c { version \"1\"; lang \"c\"; task t { period 5 ms;
+        codel<start> a() yield pause::start wcet 1 ms; }; };";
+    let scenario = "scenario s { semantics servers; unit 1 ms; durations interval;
+        check schedulable c.t; }";
+    let system = System::of_texts(&[specification.to_owned()], scenario).expect("no errors");
+    let text = files(&system, &|_, _| None, format);
+    let (first, rest) = text.split_once("// what follows an action at once").expect("a scheduler");
+    let (_, last) = rest.split_once("// the system\n").expect("a system");
+    format!("{first}// …\n\n// the system\n{last}")
 }
 
 #[test]
-fn pump_in_fiacre() {
-    insta::assert_snapshot!(files("pump/pump.scn", Format::Fiacre));
+fn small_system_in_fiacre() {
+    insta::assert_snapshot!(small(Format::Fiacre));
 }
 
 #[test]
-fn pump_in_bip() {
-    insta::assert_snapshot!(files("pump/pump.scn", Format::Bip));
+fn small_system_in_bip() {
+    insta::assert_snapshot!(small(Format::Bip));
+}
+
+/// Clients, queues and observers in the languages in which the pump has thousands of lines.
+#[test]
+fn pump_in_fiacre_and_bip() {
+    let fiacre = pump(Format::Fiacre);
+    for part in [
+        "\n    request_operator_pump_fill_client_operator_control_task_pump : sync,\n",
+        "\n        restart_passed_job_pump_control_a_18 := 1;\n",
+        "\n        sender_pump := 1;\n        at_pump := 0;\n        to places_fill\n",
+    ] {
+        assert!(fiacre.contains(part), "{part}");
+    }
+    let bip = pump(Format::Bip);
+    for part in [
+        "\n  data int core_queue_0, core_queue_1, core_queue_2\n",
+        "\n  clock job_pump_control_a unit microsecond\n",
+        "\n  connector Pair c_scheduler__settles_to_busy__task_pump_report__waits_to_begins(\
+         scheduler.settles_to_busy, task_pump_report.waits_to_begins, \
+         store.scheduler__settles_to_busy__task_pump_report__waits_to_begins)\n",
+    ] {
+        assert!(bip.contains(part), "{part}");
+    }
 }
 
 /// Returns the refusals of the pump with options.

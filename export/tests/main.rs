@@ -4,6 +4,7 @@ mod bip;
 mod checks;
 mod examples;
 mod fiacre;
+mod import;
 mod outside;
 mod random_systems;
 mod read_back;

@@ -293,8 +293,8 @@ fn left_out(lines: &[Line], events: &[Event], cycle: Option<usize>) -> std::ops:
     }
 }
 
-/// Returns a run as a list. Equal times are shown once, and so is a repeated part.
-fn run(
+/// Prints a run as a list. Equal times are shown once, and so is a repeated part.
+pub(crate) fn run(
     out: &mut impl Write,
     events: &[Event],
     cycle: Option<usize>,

@@ -310,7 +310,12 @@ impl<'c> Checks<'c> {
             let (process, location) = (SCHEDULER.to_owned(), entry.goal.clone());
             let mut add = |kind: QueryKind, comment: &str| {
                 let comment = vec![comment.to_owned()];
-                out.push(Query { name: entry.name.clone(), comment, kind });
+                out.push(Query {
+                    check: entry.number - 1,
+                    name: entry.name.clone(),
+                    comment,
+                    kind,
+                });
             };
             match entry.question {
                 Question::Reachable(_) => {

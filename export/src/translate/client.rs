@@ -1,5 +1,6 @@
 //! The process of a client.
 
+use dotgen_timing::explore::Action;
 use dotgen_timing::system::{ClientAction, ClientId, FOREVER};
 
 use crate::model::{Edge, Guard, LocationKind, Process, Relation, Update, any};
@@ -25,7 +26,7 @@ pub(super) fn process(layout: &Layout, id: ClientId) -> Process {
     };
     for &next in &client.first {
         let edge = Edge::new("starts", &location(next), "begins").receives("proceed");
-        out.edge(arrive(edge, next));
+        out.edge(arrive(edge.begins(Action::Proceed { client: id, next }), next));
     }
     for (at, step) in client.steps.iter().enumerate() {
         let here = location(at);
@@ -49,6 +50,7 @@ pub(super) fn process(layout: &Layout, id: ClientId) -> Process {
                     let edge = edge("the control task takes the request")
                         .when(outstanding.clone().is(0_usize))
                         .sends(layout.request(id, *service))
+                        .begins(Action::Request { client: id, next })
                         .with([outstanding.set(1_usize)]);
                     let follow = trackers
                         .iter()
@@ -56,13 +58,15 @@ pub(super) fn process(layout: &Layout, id: ClientId) -> Process {
                     arrive(edge.with(follow), next)
                 }
                 ClientAction::Delay(lower, _) => {
+                    let executor = layout.client_executor(id);
                     let edge = edge("the delay ends").sends("step");
+                    let edge = edge.begins(Action::Finish { executor, outcome: next });
                     arrive(edge.when_clock(&clock, Relation::AtLeast, *lower), next)
                 }
                 _ => {
                     let edge = edge("what it waits for has happened").receives("proceed");
                     let guard = waits_for(layout, id, at).unwrap_or(any([]));
-                    arrive(edge.when(guard), next)
+                    arrive(edge.when(guard).begins(Action::Proceed { client: id, next }), next)
                 }
             });
         }

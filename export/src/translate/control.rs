@@ -1,5 +1,7 @@
 //! The process of a control task: requests, and the release and end of activities.
 
+use dotgen_timing::explore::Action;
+
 use crate::model::{Edge, Guard, LocationKind, Process, all, any};
 
 use super::activities::{examine, free, interrupted, mark, resume_task};
@@ -16,7 +18,7 @@ pub(super) fn process(layout: &Layout, part: &Part) -> Process {
     out.location("interrupts", LocationKind::Committed, "a waiting activity interrupts others");
     let signal = Edge::new("ready", "examines", "handles the ends of activities");
     let ended = all([part.step().is(step::READY), part.own("ended").is(1_usize)]);
-    out.edge(signal.when(ended).with(examine(part)));
+    out.edge(signal.when(ended).with(examine(part)).begins(Action::Signal { component: part.id }));
     examination(layout, part, &mut out);
     if part.activities {
         let (at, released) = (part.own("at"), part.own("held").is(0_usize));

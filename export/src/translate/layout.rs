@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use dotgen_analysis::model::Seconds;
+use dotgen_timing::explore::Action;
 use dotgen_timing::report::TimeUnit;
 use dotgen_timing::system::indexed::Built;
 use dotgen_timing::system::{
     AutomatonId, ClientAction, ClientId, ClientStep, CodelId, ComponentId, FOREVER, Machine,
-    Policy, ServiceId, TaskId, Ticks, TimedSystem,
+    Policy, ServiceId, TaskId, Ticks, TimedSystem, Yield,
 };
 use dotgen_timing::verify::Prepared;
 
@@ -50,6 +51,8 @@ pub(super) mod tracked {
 /// The names of the parts of a system.
 pub(super) struct Layout<'s> {
     pub(super) system: &'s TimedSystem,
+    /// The system whose loops are not unfolded.
+    original: &'s TimedSystem,
     place: &'s Place<'s>,
     pub(super) parts: Vec<Part>,
     /// By codel, the name of its executor.
@@ -113,7 +116,11 @@ pub(super) struct Kind {
 }
 
 impl<'s> Layout<'s> {
-    pub(super) fn new(prepared: &'s Prepared, place: &'s Place<'s>) -> Layout<'s> {
+    pub(super) fn new(
+        prepared: &'s Prepared,
+        original: &'s TimedSystem,
+        place: &'s Place<'s>,
+    ) -> Layout<'s> {
         let system = &prepared.built.system;
         let mut parts = Vec::new();
         let mut offset = 0;
@@ -130,6 +137,7 @@ impl<'s> Layout<'s> {
         }
         let mut out = Layout {
             system,
+            original,
             place,
             parts,
             executors: vec![None; system.codels.len()],
@@ -265,6 +273,40 @@ impl<'s> Layout<'s> {
 
     pub(super) fn machine(&self, kind: &Kind) -> Option<&'s Machine> {
         kind.automaton.map(|automaton| self.system.machine_of(automaton))
+    }
+
+    /// Returns the action that ends a codel of a task with a yield, or without one by an exception. `state`
+    /// is its state in the machine of a kind.
+    pub(super) fn end_of_codel(
+        &self,
+        kind: &Kind,
+        state: usize,
+        by: Option<Yield>,
+    ) -> Option<Action> {
+        let (machine, original) = (self.machine(kind)?, self.original.machine_of(kind.automaton?));
+        let states = &original.states;
+        // Copies of a state come after the states of the machine.
+        let of = |state: usize| match states.get(state) {
+            Some(_) => Some(state),
+            None => states.iter().position(|other| other.codel == machine.states[state].codel),
+        };
+        let yields = &states[of(state)?].yields;
+        let is_same = |own: &Yield| match (own, by) {
+            (Yield::Next(own), Some(Yield::Next(to))) => Some(*own) == of(to),
+            (own, by) => Some(*own) == by,
+        };
+        let outcome = by.map_or(Some(yields.len()), |_| yields.iter().position(is_same))?;
+        Some(Action::Finish { executor: kind.task.into(), outcome })
+    }
+
+    /// Returns the number of the executor of a control task.
+    pub(super) fn control_executor(&self, part: &Part) -> usize {
+        self.system.tasks.len() + usize::from(part.id)
+    }
+
+    /// Returns the number of the executor of a client.
+    pub(super) fn client_executor(&self, client: ClientId) -> usize {
+        self.system.tasks.len() + self.system.components.len() + usize::from(client)
     }
 
     /// Returns the component and the kind of a service's activities.

@@ -1,5 +1,6 @@
 //! The requests of a control task: a place, codels, the reply.
 
+use dotgen_timing::explore::Action;
 use dotgen_timing::system::{CodelId, FOREVER, ServiceId};
 
 use crate::model::{Edge, Guard, LocationKind, Process, Relation, Term, Update, all, any};
@@ -133,7 +134,8 @@ impl Writer<'_> {
 
     fn codels(&mut self) {
         let (layout, part) = (self.layout, self.part);
-        let executor = part.tasks.len() + 1;
+        let queues = part.tasks.len() + 1;
+        let executor = layout.control_executor(part);
         for (index, &id) in self.codels.iter().enumerate() {
             let [ticket, queued, executes] = ["ticket", "queued", "executes"]
                 .map(|what| format!("{}_{index}", self.location(what)));
@@ -147,11 +149,12 @@ impl Writer<'_> {
             let comment = format!("{words}: {}", layout.interval(codel.lower, codel.upper));
             self.out.bounded(&executes, &clock, upper, comment);
             let take = Edge::new(&ticket, &queued, "takes a ticket").sends("step");
-            self.out.edge(take.with(part.push(executor)));
-            let mut begin = Edge::new(&queued, &executes, format!("begins {}", codel.path));
+            self.out.edge(take.with(part.push(queues)).begins(Action::Ticket { executor }));
+            let mut begin = Edge::new(&queued, &executes, format!("begins {}", codel.path))
+                .begins(Action::Acquire { executor });
             if part.queue {
                 let free: Vec<Guard> = layout.blocked(id).iter().map(Guard::negated).collect();
-                begin = begin.when(all([part.lock_queue(0_usize).is(executor), all(free)]));
+                begin = begin.when(all([part.lock_queue(0_usize).is(queues), all(free)]));
             }
             let executing = part.own("codel").set(number(id));
             let begin = begin.sends("step").with([executing, Update::Reset(clock.clone())]);
@@ -159,12 +162,13 @@ impl Writer<'_> {
             let free = part.own("codel").set(0_usize);
             let end = self.next(&executes, index + 1, "the codel ends");
             let end = end.when_clock(&clock, Relation::AtLeast, codel.lower).with([free.clone()]);
-            self.out.edge(end);
+            self.out.edge(end.begins(Action::Finish { executor, outcome: 0 }));
             let validates = index == 0 && layout.system.services[self.service].validate.is_some();
             if validates || codel.throws {
                 let replies = self.location("replies");
                 let edge = Edge::new(&executes, &replies, "the codel refuses").sends("step");
                 let edge = edge.when_clock(&clock, Relation::AtLeast, codel.lower);
+                let edge = edge.begins(Action::Finish { executor, outcome: 1 });
                 self.out.edge(edge.with(self.done(true)).with([free]));
             }
         }
@@ -177,7 +181,9 @@ impl Writer<'_> {
         let comment = "before the reply and the examination of all activities";
         self.out.location(&replies, LocationKind::Urgent, comment);
         let (place, refused) = (part.own("place"), part.own("refused"));
-        let edge = |target: &str, comment: &str| Edge::new(&replies, target, comment);
+        let edge = |target: &str, comment: &str| {
+            Edge::new(&replies, target, comment).begins(Action::Reply { component: part.id })
+        };
         if self.is_activity() {
             let accepted = edge("examines", "the activity is accepted");
             let accepted = accepted.when(refused.clone().is(0_usize));

@@ -1,5 +1,6 @@
 //! The process of a task: its cycles, with their passes over the places of activities.
 
+use dotgen_timing::explore::Action;
 use dotgen_timing::system::{FOREVER, Machine, State, Yield};
 
 use crate::model::{Edge, Guard, LocationKind, Process, Relation, Term, Update, all, any, var};
@@ -43,6 +44,11 @@ impl<'w> Writer<'w> {
     /// Returns what can be in the places of the task.
     fn kinds(&self) -> Vec<&'w Kind> {
         self.part.kinds.iter().filter(|kind| kind.task == self.task.id).collect()
+    }
+
+    /// Returns the number of the task, which is also that of its executor.
+    fn executor(&self) -> usize {
+        self.task.id.into()
     }
 
     /// Returns the place of the pass.
@@ -103,14 +109,17 @@ impl<'w> Writer<'w> {
             self.at().set(task.base),
             task.flag("resumes").set(1_usize),
         ];
-        self.out.edge(start.with(taken).with(pass));
+        let begin = Action::Begin { task: self.executor() };
+        self.out.edge(start.with(taken).with(pass).begins(begin));
         let again = Edge::new("again", "begins", "begins the next pass of the cycle");
-        let again = again.when(task.is_awake());
+        let again = again.when(task.is_awake()).begins(begin);
         self.out.edge(again.with([self.at().set(task.base)]).with(resumes));
         for source in ["again", "wakes"].into_iter().filter(|_| task.wakes) {
             let target = if source == "again" { "again" } else { "rest" };
             let edge = Edge::new(source, target, "makes the other tasks runnable");
-            let mut edge = edge.when(task.flag("wakes").is(1_usize)).sends("step");
+            let wake = Action::Wake { task: self.executor() };
+            let edge = edge.when(task.flag("wakes").is(1_usize)).sends("step");
+            let mut edge = edge.begins(wake);
             edge.updates.push(task.flag("wakes").set(0_usize));
             edge.updates.extend(self.part.wake(Some(task.id)));
             if source == "wakes" {
@@ -137,12 +146,15 @@ impl<'w> Writer<'w> {
         let number = usize::from(task.id) + 1;
         let mut ask = Edge::new("rest", "waits", "takes its flag and asks for a core")
             .when(all([task.begins(), task.could_run(self.part)]))
-            .receives("ask");
+            .receives("ask")
+            .begins(Action::Release { task: self.executor() });
         if task.period.is_some() {
             ask.updates.push(task.due().set(0_usize));
         }
         ask.updates.push(task.position().set(position::WAITS));
-        let mut grant = Edge::new("waits", "begins", "gets a core").receives("grant");
+        let mut grant = Edge::new("waits", "begins", "gets a core")
+            .receives("grant")
+            .begins(Action::Grant { task: self.executor() });
         let used = var("cores_used");
         grant.updates.push(used.clone().set(used.plus(1)));
         grant.updates.push(task.flag("core").set(1_usize));
@@ -329,7 +341,9 @@ impl<'w> Writer<'w> {
             self.out.bounded(&location, &clock, upper, comment);
             let begin = Edge::new("queued", &location, format!("begins {}", codel.path));
             let wants = wanted(&self.task.name);
-            let mut begin = begin.when(wants.is(number(state.codel)));
+            let mut begin = begin
+                .when(wants.is(number(state.codel)))
+                .begins(Action::Acquire { executor: self.executor() });
             if entered(&machine.states).filter(|(_, other)| other.codel == state.codel).count() > 1
             {
                 // A loop with a limit is unfolded.
@@ -350,7 +364,9 @@ impl<'w> Writer<'w> {
             }
         }
         if self.out.edges.iter().all(|edge| edge.target != "queued") {
-            let edge = Edge::new("ticket", "queued", "takes a ticket").sends("step");
+            let edge = Edge::new("ticket", "queued", "takes a ticket")
+                .sends("step")
+                .begins(Action::Ticket { executor: self.executor() });
             self.out.edge(edge.with(self.part.push(self.task.executor())));
         }
     }
@@ -387,7 +403,8 @@ impl<'w> Writer<'w> {
             None => ("an exception".to_owned(), self.end_of_activity(0_usize)),
         };
         let edge = Edge::new(location, "proceeds", format!("ends with {what}"));
-        let edge = edge.when_clock(&self.task.clock(), Relation::AtLeast, codel.lower);
+        let mut edge = edge.when_clock(&self.task.clock(), Relation::AtLeast, codel.lower);
+        edge.action = self.layout.end_of_codel(kind, state, by);
         let executor = [self.task.flag("codel").set(0_usize), wanted(&self.task.name).set(0_usize)];
         self.out.edge(edge.with(executor).with(updates).with([self.next_place()]));
     }

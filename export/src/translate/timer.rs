@@ -1,6 +1,8 @@
 //! The clock of a component, as one timer for each periodic task.
 
-use crate::model::{Edge, LocationKind, Process, Relation};
+use dotgen_timing::explore::Action;
+
+use crate::model::{Edge, LocationKind, Process, Relation, Update};
 
 use super::checks::Checks;
 use super::layout::{Layout, TaskPart};
@@ -27,7 +29,8 @@ pub(super) fn process(layout: &Layout, task: &TaskPart, checks: &Checks) -> Opti
         for (guard, updates, comment) in checks.at_tick(task) {
             let edge = Edge::new(name, "later", comment).when(guard);
             let edge = edge.when_clock(&clock, Relation::Equal, most);
-            let tick = [task.due().set(1_usize), crate::model::Update::Reset(clock.clone())];
+            let edge = edge.begins(Action::Tick { task: task.id.into() });
+            let tick = [task.due().set(1_usize), Update::Reset(clock.clone())];
             out.edges.push(edge.sends("step").with(updates).with(tick));
         }
     };
