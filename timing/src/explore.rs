@@ -40,7 +40,8 @@ pub use reductions::{Activity, Kind, Kinds, Reason};
 pub use rules::{Action, IdleTurn, Moment, MomentKind, Work};
 pub use run::{Run, SystemRun};
 pub use search::{
-    Walked, ZoneFindings, explore, explore_with_reports, search_once, search_zones, walk,
+    Walked, ZoneFindings, bytes_of_walks, explore, explore_with_reports, search_once, search_zones,
+    walk,
 };
 pub use spans::{ChainSpans, Span, Spent};
 pub use stepper::{Possible, Seen, Stepper, Watched};

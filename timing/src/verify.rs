@@ -163,12 +163,12 @@ pub(crate) fn verify_settings(
     for (group, of_group, _) in &groups {
         group.invariants(&checks, of_group, &mut report);
     }
-    let unconfirmed = coarse::answer(&parts, of_whole, &checks, &mut report);
     let seen: Vec<Seen> = (groups.iter())
         .map(|(group, of_group, analysed)| {
             group.soon(&checks, of_group, groups.len() == 1, analysed, &mut report)
         })
         .collect();
+    let unconfirmed = coarse::answer(&parts, of_whole, &checks, &mut report);
     for ((group, of_group, analysed), seen) in groups.iter().zip(&seen) {
         group.rest(&checks, of_group, analysed, seen, &mut report);
     }

@@ -17,7 +17,7 @@ mod zones;
 use self::control::{CarryOver, FindingsReceiver, SearchControl};
 pub use self::depth_first::search_once;
 use self::layers::Layers;
-pub use self::walks::{Walked, walk};
+pub use self::walks::{Walked, bytes_of_walks, walk};
 pub use self::zones::{ZoneFindings, search_zones};
 use super::findings::Findings;
 use super::measure::{Gauge, MeasurementMode, Timing};

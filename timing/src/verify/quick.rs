@@ -10,7 +10,9 @@ use std::sync::OnceLock;
 
 use super::checks::{Single, What};
 use super::{Group, ResponseBounds};
-use crate::explore::{Findings, Kind, Limits, ResponseTime, Stop, Walked, Watch, explore, walk};
+use crate::explore::{
+    Findings, Kind, Limits, ResponseTime, Stop, Walked, Watch, bytes_of_walks, explore, walk,
+};
 use crate::report::{CheckReport, Report, Value, Verdict};
 use crate::system::indexed::Built;
 use crate::system::{TaskId, Ticks};
@@ -24,6 +26,9 @@ const SHARE: usize = 4;
 
 /// Limit on the actions that look for response times as long as their bounds.
 const ACTIONS: u64 = 1_000_000;
+
+/// Number of actions of the exploration that comes before walks to missed deadlines.
+const FIRST: u64 = 50_000;
 
 /// Number of actions of a small system.
 const SMALL: u64 = 20_000;
@@ -131,19 +136,28 @@ impl Group<'_> {
         let open = of_group.iter().copied().filter(|&i| report.is_open(i));
         let deadlines = open.filter(|&i| matches!(checks[i].what, What::Schedulable(_)));
         let (mut watch, places) = self.watch(checks, deadlines, analysed);
-        if places.is_empty()
-            || self.limits.without.contains(Kind::RandomSearch)
-            || self.is_small(&watch)
-        {
+        if places.is_empty() || self.limits.without.contains(Kind::RandomSearch) {
+            return;
+        }
+        // An exploration finds the shortest runs, if they are short.
+        let limits = Limits { steps: self.limits.steps.min(FIRST), ..self.limits };
+        let explored = explore(&self.built.system, &watch, limits, self.cancel);
+        if matches!(explored.stopped, None | Some(Stop::Answered)) {
+            return;
+        }
+        // The longest job and the first missed deadline of each task.
+        let bytes = bytes_of_walks(2 * places.len());
+        if explored.bytes + bytes > self.limits.bytes {
             return;
         }
         watch.response.clear();
         // An action takes less time than a state that is kept.
         let actions = ACTIONS.min((self.limits.states as u64).saturating_mul(8));
         let walked = walk(&self.built.system, &watch, actions, self.cancel);
+        let runs = explored.missed.into_iter().zip(walked.missed);
         let found = Findings {
-            missed: walked.missed,
-            states: walked.actions as usize,
+            missed: runs.map(|(shortest, walked)| shortest.or(walked)).collect(),
+            states: explored.states + walked.actions as usize,
             stopped: Some(Stop::States),
             ..Findings::default()
         };

@@ -8,6 +8,7 @@
 //! walk proves nothing, but its run exists. Of several runs to a missed deadline the one that ends first is
 //! kept.
 
+use std::collections::VecDeque;
 use std::hash::BuildHasher;
 
 use rustc_hash::FxBuildHasher;
@@ -37,13 +38,19 @@ const VARIED_JOBS: [usize; 3] = [2, 3, 5];
 const VARIANTS: u64 = 60;
 
 /// Actions between two polls of the limits.
-const ACTIONS_PER_POLL: u64 = 256;
+const ACTIONS_PER_POLL: u64 = 32;
 
 /// Number of actions at one moment before which victims do not go on.
 const PATIENCE: u64 = 20;
 
 /// Rounds after which the longest rest of a job in a state machine with loops counts as known.
 const ROUNDS: usize = 12;
+
+/// Returns the greatest number of bytes of the runs of walks for a number of questions.
+pub fn bytes_of_walks(questions: usize) -> usize {
+    // The present walk, and the best one of each question.
+    (questions + 1) * (ACTIONS_OF_WALK << 2) as usize * size_of::<(u64, Action)>()
+}
 
 /// The runs that walks have found.
 pub struct Walked {
@@ -176,6 +183,9 @@ impl Preferences {
     }
 }
 
+/// Releases before the longest response time of a walk that are remembered.
+const REMEMBERED: usize = VARIED_JOBS[VARIED_JOBS.len() - 1] + 1;
+
 /// A position in a run.
 #[derive(Clone)]
 struct Position {
@@ -257,14 +267,15 @@ impl Walks<'_> {
         }
     }
 
-    /// Continues a run. Returns the positions at which a job of the task was released.
+    /// Continues a run. Returns the last positions at which a job of the task was released before the longest
+    /// response time.
     fn walk(&mut self, start: &Position, aim: Aim, number: u64, actions: u64) -> Vec<Position> {
         let mut preferences =
             Preferences::numbered(aim.task, number, self.observations.rules.system().tasks.len());
         self.observations.clear_observations();
         let Position { mut s, mut now, steps } = start.clone();
         self.trail.truncate(steps);
-        let mut releases = Vec::new();
+        let (mut releases, mut longest) = (VecDeque::new(), Vec::new());
         let mut enabled = Enabled::default();
         let of = self.observations.gauges[aim.gauge].of;
         let mut runs = of.runs(&self.observations.rules, &s);
@@ -284,7 +295,8 @@ impl Walks<'_> {
             if of.runs(rules, &s) != runs {
                 runs = !runs;
                 if runs {
-                    releases.push(Position { s: s.clone(), now, steps: self.trail.len() });
+                    releases.truncate(REMEMBERED - 1);
+                    releases.push_front(Position { s: s.clone(), now, steps: self.trail.len() });
                 }
             }
             rules.enabled(&s, &mut enabled);
@@ -305,11 +317,14 @@ impl Walks<'_> {
             preferences.patience = PATIENCE;
             let at = Sight { parent: self.trail.len(), time: now };
             for gauge in 0..self.observations.gauges.len() {
-                self.observations.longest_after_jump(gauge, &s, at);
+                let found = self.observations.longest_after_jump(gauge, &s, at);
+                if found.is_some() && gauge == aim.gauge {
+                    longest = releases.iter().rev().cloned().collect();
+                }
             }
         }
         self.keep();
-        releases
+        longest
     }
 
     /// Keeps the longest times of a walk.
@@ -389,15 +404,15 @@ impl Walks<'_> {
         if preferences.below(8) >= preferences.long {
             return Some(action);
         }
-        // Among the yields of a codel, the one to the longest rest of the job.
+        // Among the yields of a codel, the one to the longest rest of the job, and rather not to the end.
         let outcomes = list.iter().copied().filter(
             |other| matches!(other, Action::Finish { executor: other, .. } if *other == executor),
         );
         let rest = |action: &Action| match *action {
             Action::Finish { executor, outcome } => {
-                rules.codel(s, executor).map_or(0, |codel| self.rest_after(codel, outcome))
+                rules.codel(s, executor).map(|codel| self.rest_after(codel, outcome))
             }
-            _ => 0,
+            _ => None,
         };
         outcomes.max_by_key(rest)
     }
@@ -418,16 +433,23 @@ impl Walks<'_> {
             Action::Release { .. } => Some((task(action)?, None)),
             _ => None,
         })?;
-        let excludes = |executor: usize| {
-            let codel = rules.codel(s, executor);
-            let conflicts = waiting.map(|waiting| &rules.system().codels[waiting].conflicts);
-            conflicts.zip(codel).is_some_and(|(conflicts, codel)| conflicts.contains(codel))
+        let conflicts = waiting.map(|waiting| &rules.system().codels[waiting].conflicts);
+        let excludes = |codel: Option<CodelId>| {
+            conflicts.zip(codel).is_some_and(|(all, codel)| all.contains(codel))
         };
         let (mut first, mut others) = (Vec::new(), Vec::new());
         for &action in enabled.actions.iter().filter(|&&action| task(action) != Some(victim)) {
             match action {
-                Action::Acquire { executor } if excludes(executor) => first.push(action),
-                Action::Finish { executor, .. } if waiting.is_none() || excludes(executor) => {}
+                Action::Acquire { executor } if excludes(rules.codel(s, executor)) => {
+                    first.push(action);
+                }
+                Action::Finish { executor, outcome } => {
+                    let codel = rules.codel(s, executor);
+                    let next = codel.and_then(|codel| self.codel_after(codel, outcome));
+                    if excludes(next) && !excludes(codel) {
+                        others.push(action);
+                    }
+                }
                 _ => others.push(action),
             }
         }
@@ -437,11 +459,17 @@ impl Walks<'_> {
         (count > 0).then(|| list[preferences.below(count) as usize])
     }
 
-    /// Returns the longest rest of a job after a codel with an outcome.
-    fn rest_after(&self, codel: CodelId, outcome: usize) -> u64 {
-        match self.yield_after(codel, outcome) {
-            Some((machine, &Yield::Next(next))) => self.rest[machine.states[next].codel],
-            _ => 0,
+    /// Returns the longest rest of a job after a codel with an outcome, and whether there are later jobs.
+    fn rest_after(&self, codel: CodelId, outcome: usize) -> (u64, bool) {
+        let ends = self.yield_after(codel, outcome).is_none_or(|(_, after)| *after == Yield::End);
+        (self.codel_after(codel, outcome).map_or(0, |next| self.rest[next]), !ends)
+    }
+
+    /// Returns the next codel of the same turn after a codel with an outcome.
+    fn codel_after(&self, codel: CodelId, outcome: usize) -> Option<CodelId> {
+        match self.yield_after(codel, outcome)? {
+            (machine, &Yield::Next(next)) => Some(machine.states[next].codel),
+            _ => None,
         }
     }
 
