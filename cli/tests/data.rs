@@ -181,3 +181,38 @@ fn weights_of_the_scenario_are_those_of_the_option_and_the_option_goes_first() {
     let without = dark(&["plain.scn"]);
     assert!((1..90).contains(&without), "{without}");
 }
+
+/// By name of a check: what is said of it. An interval of time is two checks of one name.
+fn said(report: &Value) -> std::collections::BTreeMap<String, Vec<String>> {
+    let mut out = std::collections::BTreeMap::<_, Vec<String>>::new();
+    for check in report["checks"].as_array().expect("a list") {
+        let word = |key: &str| check[key].as_str().unwrap_or_default().to_owned();
+        out.entry(word("name")).or_default().push(word("verdict"));
+    }
+    out
+}
+
+#[test]
+fn runs_and_replays_follow_each_pattern_as_it_is_verified() {
+    let read = |name: &str| {
+        let path = format!("{}/../timing/tests/scenario/{name}", env!("CARGO_MANIFEST_DIR"));
+        std::fs::read_to_string(path).expect("the file")
+    };
+    let (genom, scenario) = (read("patterns.gen"), read("patterns.scn"));
+    let directory = Directory::new(&[("patterns.gen", &genom), ("patterns.scn", &scenario)]);
+    let options =
+        "run patterns.scn --simulate all --bounds none --until 1s --format json --record run.mcap";
+    let output = directory.run(&options.split(' ').collect::<Vec<_>>());
+    let report = json_of(&output);
+    let output = directory.run(&["replay", "run.mcap", "patterns.scn", "--format", "json"]);
+    let replayed = json_of(&output);
+    assert_eq!(said(&replayed), said(&report), "{replayed:#}");
+    // The missing end of a run cannot be seen.
+    let endless = ["fails_eventually", "fails_reachable", "fails_leadsto", "holds_deadlock"];
+    for (name, verdicts) in said(&report) {
+        if !endless.contains(&&*name) {
+            let expected = name.starts_with("fails_");
+            assert_eq!(verdicts.contains(&"violated".to_owned()), expected, "{name}: {verdicts:?}");
+        }
+    }
+}

@@ -11,6 +11,7 @@ mod invariants;
 mod json;
 mod language;
 mod measures;
+mod patterns;
 mod quick;
 mod requests;
 mod simulate;
@@ -18,6 +19,7 @@ mod told;
 mod vacuous;
 mod walks;
 
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 use dotgen_analysis::host::UnitResult;

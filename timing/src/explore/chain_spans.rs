@@ -43,7 +43,7 @@ pub fn explore_chain(
     found
 }
 
-fn spans<R: Rules>(rules: &R, chain: &Chain, measured: &Measured) -> ChainSpans {
+fn spans(rules: &SystemRules, chain: &Chain, measured: &Measured) -> ChainSpans {
     let clocks = Clocks {
         within: vec![Stages { count: 1, measured: true }],
         ..Clocks::none(rules.system().tasks.len())
@@ -75,15 +75,15 @@ fn spans<R: Rules>(rules: &R, chain: &Chain, measured: &Measured) -> ChainSpans 
 }
 
 /// Finds the codel that the measured datum waits for.
-struct Focus<'t, 'c, R> {
-    tracked: &'t Tracked<'c, R>,
+struct Focus<'t, 'c, 's> {
+    tracked: &'t Tracked<'c, 's>,
     /// The number of codels after each codel on the shortest path to the last datum.
     after: TiVec<CodelId, usize>,
     subjects: TiVec<CodelId, Option<Subject>>,
 }
 
-impl<'t, 'c, R: Rules> Focus<'t, 'c, R> {
-    fn new(tracked: &'t Tracked<'c, R>) -> Self {
+impl<'t, 'c, 's> Focus<'t, 'c, 's> {
+    fn new(tracked: &'t Tracked<'c, 's>) -> Self {
         let system = tracked.system();
         let subject = |codel: CodelId| Subject::of_codel(system, codel);
         Focus {

@@ -201,16 +201,6 @@ pub(crate) trait Rules: Sized {
     /// happen. `None`: for ever.
     fn next_moment(&self, s: &State, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks>;
 
-    /// The same, but ticks of the tasks that `is_skipped` selects do not count.
-    fn next_moment_without_ticks(
-        &self,
-        s: &State,
-        can_be_deferred: &dyn Fn(usize) -> bool,
-        _is_skipped: &dyn Fn(usize) -> bool,
-    ) -> Option<Ticks> {
-        self.next_moment(s, can_be_deferred)
-    }
-
     /// Lets time pass, at most until the next moment.
     fn elapse(&self, s: &mut State, time: Ticks);
 
@@ -255,10 +245,6 @@ pub(crate) trait Rules: Sized {
     /// Returns true if [`Rules::apply`] ever refused a request for a service for lack of a slot.
     fn has_refused(&self, service: ServiceId) -> bool;
 
-    /// Returns the service of the request that [`Rules::apply`] has refused since the last call: for lack of
-    /// a slot, by `after` or `before`, by a codel, or because nothing is left to abort.
-    fn take_refusal(&self) -> Option<ServiceId>;
-
     /// Returns true if two waiting instances of a service ever interrupted each other in [`Rules::apply`].
     fn has_ended_restarts(&self, _service: ServiceId) -> bool {
         false
@@ -274,55 +260,12 @@ pub(crate) trait Rules: Sized {
     /// `None` if there is none.
     fn work(&self, s: &State, executor: usize) -> Option<Work>;
 
-    /// Returns the step of a client; [`Client::done`](crate::system::Client::done) after the last step, one
-    /// more before the first.
-    fn position(&self, s: &State, client: ClientId) -> usize;
-
     /// Returns the number of places for activities, including permanent activities. They are numbered as in
     /// [`Work::State`].
     fn places(&self) -> usize;
 
     /// Returns the automaton of the activity in a place: accepted, running, or ended and not yet reported.
     fn activity(&self, s: &State, place: usize) -> Option<AutomatonId>;
-
-    /// Returns the only work of a task in its next cycle; `None` if the task is in a cycle, or if something
-    /// else than this work may follow.
-    fn idle_turn(&self, _s: &State, _task: usize) -> Option<IdleTurn> {
-        None
-    }
-
-    /// Returns the time until the next tick of a task, and whether an earlier tick is kept for the next
-    /// cycle. `None` if the task has no timer that runs.
-    fn tick(&self, _s: &State, _task: usize) -> Option<(Ticks, bool)> {
-        None
-    }
-
-    /// Interrupts the activity in a place, like a service that interrupts it.
-    fn interrupt_activity(&self, s: &mut State, place: usize);
-
-    /// Begins the shutdown of a component, if the state has a place for it ([`Clocks::ends`]), or goes on
-    /// with it if it [is stuck](Self::is_stuck).
-    fn begin_shutdown(&self, _s: &mut State, _component: ComponentId) {}
-
-    /// Returns true if the shutdown of a component waits for a task that was never started.
-    fn is_stuck(&self, _s: &State, _component: ComponentId) -> bool {
-        false
-    }
-
-    /// Returns true if a component has been shut down.
-    fn is_shut_down(&self, _s: &State, _component: ComponentId) -> bool {
-        false
-    }
-
-    /// Returns the service whose request a control task is handling, and whether the request is already
-    /// refused.
-    fn handling(&self, s: &State, component: ComponentId) -> Option<(ServiceId, bool)>;
-
-    /// Returns the place of the activity whose request a control task is handling; `None` if there is none,
-    /// or if the place is given later.
-    fn requested_place(&self, _s: &State, _component: ComponentId) -> Option<usize> {
-        None
-    }
 
     /// Returns an action in words. The action led from the first state to the second. `None`: the initial
     /// state.

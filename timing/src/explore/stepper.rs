@@ -55,258 +55,7 @@ impl Possible {
 
 /// A run under way. See the [module](self).
 pub struct Stepper<'s> {
-    walk: Box<dyn Walk + 's>,
-}
-
-impl<'s> Stepper<'s> {
-    /// Creates a stepper for runs of a system. [`Stepper::begin`] begins the first run.
-    pub fn new(system: &'s TimedSystem, watched: &Watched) -> Self {
-        walk(&SystemRules::new(system), watched)
-    }
-
-    /// Begins a run at time 0, and appends its first events.
-    pub fn begin(&mut self, seen: &mut Vec<Seen>) {
-        self.walk.begin(seen);
-    }
-
-    /// Returns the time since the start, in base units.
-    pub fn now(&self) -> u64 {
-        self.walk.now()
-    }
-
-    /// Lists the possible actions.
-    pub fn possible(&self, out: &mut Possible) {
-        self.walk.possible(&mut out.enabled);
-    }
-
-    /// Performs one of the possible actions, and appends its events.
-    pub fn perform(&mut self, action: Action, seen: &mut Vec<Seen>) {
-        self.walk.perform(action, seen);
-    }
-
-    /// Sets a comparison of data, from the next action on.
-    pub fn set_fact(&mut self, fact: usize, holds: bool) {
-        self.walk.set_fact(fact, holds);
-    }
-
-    /// Returns true if a comparison of data has been set in this run.
-    pub fn knows_fact(&self, fact: usize) -> bool {
-        self.walk.knows_fact(fact)
-    }
-
-    /// Sets the duration, in base units, of the work that an executor has just begun. It must be a possible
-    /// duration.
-    pub fn decide(&mut self, executor: usize, time: Ticks) {
-        self.walk.decide(executor, time);
-    }
-
-    /// Returns the work of an executor: a codel for which it takes a ticket, waits or executes, or a delay.
-    /// `None` if there is none.
-    pub fn work(&self, executor: usize) -> Option<Work> {
-        self.walk.work(executor)
-    }
-
-    /// Returns the service that a client requests next, if its next step is a request.
-    pub fn requests(&self, client: ClientId) -> Option<ServiceId> {
-        self.walk.requests(client)
-    }
-
-    /// Returns the number of executors.
-    pub fn executors(&self) -> usize {
-        self.walk.executors()
-    }
-
-    /// Returns the least and the greatest time until the end of an executor's work, in base units; `None` if
-    /// it executes nothing.
-    pub fn window(&self, executor: usize) -> Option<(Ticks, Ticks)> {
-        self.walk.window(executor)
-    }
-
-    /// Changes the remaining time of an executor's work. A system has no such action, but a replay may need
-    /// it. If the new window lies within the present [window](Self::window), the run remains one of the
-    /// system.
-    pub fn set_window(&mut self, executor: usize, window: (Ticks, Ticks)) {
-        self.walk.set_window(executor, window);
-    }
-
-    /// Returns the time for which no new action is possible, in base units. `None`: no action will ever be
-    /// possible.
-    pub fn next_moment(&self) -> Option<Ticks> {
-        self.walk.next_moment(&|_| false)
-    }
-
-    /// Returns the time for which no new action is possible, in base units, if the executors with
-    /// `can_be_deferred` may end at any time.
-    pub fn next_moment_but(&self, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks> {
-        self.walk.next_moment(can_be_deferred)
-    }
-
-    /// The same, but ticks of the tasks that `is_skipped` selects do not count.
-    pub fn next_moment_without_ticks(
-        &self,
-        can_be_deferred: &dyn Fn(usize) -> bool,
-        is_skipped: &dyn Fn(usize) -> bool,
-    ) -> Option<Ticks> {
-        self.walk.next_moment_without_ticks(can_be_deferred, is_skipped)
-    }
-
-    /// Returns the only work of a task in its next cycle; `None` if the task is in a cycle, may have to wait
-    /// for a core, or if something else than this work may follow.
-    pub fn idle_turn(&self, task: TaskId) -> Option<IdleTurn> {
-        self.walk.idle_turn(task)
-    }
-
-    /// Returns the time until the next tick of a task, in base units, and whether an earlier tick is kept for
-    /// the next cycle. `None` if the task has no timer that runs.
-    pub fn tick(&self, task: TaskId) -> Option<(Ticks, bool)> {
-        self.walk.tick(task)
-    }
-
-    /// Returns true if a client has taken its last step.
-    pub fn has_ended(&self, client: ClientId) -> bool {
-        self.walk.has_ended(client)
-    }
-
-    /// Lets time pass, at most until the next moment, and appends the events of that moment.
-    pub fn pass(&mut self, time: Ticks, seen: &mut Vec<Seen>) {
-        self.walk.pass(time, seen);
-    }
-
-    /// Returns the duration so far of a task's job, in base units, if the task has a measured job.
-    pub fn job(&self, task: usize) -> Option<Ticks> {
-        self.walk.job(task)
-    }
-
-    /// Returns the time, in base units, for which the responses of an entry of [`Watched::within`] have been
-    /// awaited, if they are.
-    pub fn awaited(&self, within: usize) -> Option<Ticks> {
-        self.walk.awaited(within)
-    }
-
-    /// Returns the number of places for activities. They are numbered as in [`Work::State`].
-    pub fn places(&self) -> usize {
-        self.walk.places()
-    }
-
-    /// Returns the automaton of the activity in a place: accepted, running, or ended and not yet reported.
-    pub fn activity(&self, place: usize) -> Option<AutomatonId> {
-        self.walk.activity(place)
-    }
-
-    /// Interrupts the activity in a place, like a service that interrupts it. A system has no such action,
-    /// but a run on the real clock may need it.
-    pub fn interrupt(&mut self, place: usize) {
-        self.walk.interrupt(place);
-    }
-
-    /// Begins the shutdown of every component, as their clients' `kill` does: activities are interrupted,
-    /// then the permanent activities. No more requests are taken. A system has no such action, but the end of
-    /// a run needs it. Under the published semantics, which have no shutdown, activities are interrupted, and
-    /// permanent ones go on. A shutdown that [is stuck](Self::is_stuck) goes on.
-    pub fn shut_down(&mut self) {
-        self.walk.shut_down();
-    }
-
-    /// Returns true if some shutdown waits for a task that was never started, because the start-up of an
-    /// earlier task has failed.
-    pub fn is_stuck(&self) -> bool {
-        self.walk.is_stuck()
-    }
-
-    /// Returns true if a component has ended after [`shut_down`](Self::shut_down).
-    pub fn is_shut_down(&self, component: ComponentId) -> bool {
-        self.walk.is_shut_down(component)
-    }
-
-    /// Returns the service whose request the control task of a component is handling, and whether the request
-    /// is already refused. (Under the published semantics only the end of the validation shows that.)
-    pub fn handling(&self, component: ComponentId) -> Option<(ServiceId, bool)> {
-        self.walk.handling(component)
-    }
-
-    /// Returns true if a request for a service was ever refused for lack of a slot.
-    pub fn has_refused(&self, service: ServiceId) -> bool {
-        self.walk.has_refused(service)
-    }
-}
-
-impl std::fmt::Debug for Stepper<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Stepper").field("now", &self.now()).finish_non_exhaustive()
-    }
-}
-
-/// A stepper, independent of its rules.
-trait Walk {
-    fn begin(&mut self, seen: &mut Vec<Seen>);
-    fn now(&self) -> u64;
-    fn possible(&self, out: &mut Enabled);
-    fn perform(&mut self, action: Action, seen: &mut Vec<Seen>);
-    fn set_fact(&mut self, fact: usize, holds: bool);
-    fn knows_fact(&self, fact: usize) -> bool;
-    fn decide(&mut self, executor: usize, time: Ticks);
-    fn work(&self, executor: usize) -> Option<Work>;
-    fn requests(&self, client: ClientId) -> Option<ServiceId>;
-    fn executors(&self) -> usize;
-    fn window(&self, executor: usize) -> Option<(Ticks, Ticks)>;
-    fn set_window(&mut self, executor: usize, window: (Ticks, Ticks));
-    fn next_moment(&self, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks>;
-    fn next_moment_without_ticks(
-        &self,
-        can_be_deferred: &dyn Fn(usize) -> bool,
-        is_skipped: &dyn Fn(usize) -> bool,
-    ) -> Option<Ticks>;
-    fn idle_turn(&self, task: TaskId) -> Option<IdleTurn>;
-    fn tick(&self, task: TaskId) -> Option<(Ticks, bool)>;
-    fn has_ended(&self, client: ClientId) -> bool;
-    fn pass(&mut self, time: Ticks, seen: &mut Vec<Seen>);
-    fn job(&self, task: usize) -> Option<Ticks>;
-    fn awaited(&self, within: usize) -> Option<Ticks>;
-    fn places(&self) -> usize;
-    fn activity(&self, place: usize) -> Option<AutomatonId>;
-    fn interrupt(&mut self, place: usize);
-    fn shut_down(&mut self);
-    fn is_stuck(&self) -> bool;
-    fn is_shut_down(&self, component: ComponentId) -> bool;
-    fn handling(&self, component: ComponentId) -> Option<(ServiceId, bool)>;
-    fn has_refused(&self, service: ServiceId) -> bool;
-}
-
-fn walk<'s, R: Rules + 's>(rules: &R, watched: &Watched) -> Stepper<'s> {
-    let clocks = Clocks {
-        response: vec![true; rules.system().tasks.len()],
-        within: (watched.within.iter())
-            .map(|(_, responses)| Stages { count: responses.len(), measured: true })
-            .collect(),
-        monitors: watched.monitors.iter().map(|monitor| monitor.time > 0).collect(),
-        facts: watched.facts,
-        token: 0,
-        ends: true,
-    };
-    let rules = rules.with_clocks(&clocks);
-    let within = watched.within.iter();
-    let within = within.map(|(trigger, responses)| (trigger, &**responses));
-    let walker = Walker {
-        observers: Observers::of(within, &watched.monitors),
-        reach: watched.reach.clone(),
-        new_facts: Vec::new(),
-        overdue: vec![false; rules.system().tasks.len()],
-        s: rules.initial(),
-        before: rules.initial(),
-        ending: false,
-        now: 0,
-        rules,
-    };
-    Stepper { walk: Box::new(walker) }
-}
-
-/// Returns true if what a monitor watches can begin in a state.
-fn opens<R: Rules>(rules: &R, monitor: &Monitor, s: &State) -> bool {
-    monitor.opening().eval_still(&|atom| rules.atom(s, atom))
-}
-
-struct Walker<R: Rules> {
-    rules: R,
+    rules: SystemRules<'s>,
     observers: Observers,
     reach: Vec<Predicate>,
     /// Comparisons of data that change with the next action.
@@ -321,7 +70,286 @@ struct Walker<R: Rules> {
     now: u64,
 }
 
-impl<R: Rules> Walker<R> {
+impl<'s> Stepper<'s> {
+    /// Creates a stepper for runs of a system. [`Stepper::begin`] begins the first run.
+    pub fn new(system: &'s TimedSystem, watched: &Watched) -> Self {
+        let clocks = Clocks {
+            response: vec![true; system.tasks.len()],
+            within: (watched.within.iter())
+                .map(|(_, responses)| Stages { count: responses.len(), measured: true })
+                .collect(),
+            monitors: watched.monitors.iter().map(|monitor| monitor.time > 0).collect(),
+            facts: watched.facts,
+            token: 0,
+            ends: true,
+        };
+        let rules = SystemRules::new(system).with_clocks(&clocks);
+        let within = watched.within.iter();
+        let within = within.map(|(trigger, responses)| (trigger, &**responses));
+        Stepper {
+            observers: Observers::of(within, &watched.monitors),
+            reach: watched.reach.clone(),
+            new_facts: Vec::new(),
+            overdue: vec![false; system.tasks.len()],
+            s: rules.initial(),
+            before: rules.initial(),
+            ending: false,
+            now: 0,
+            rules,
+        }
+    }
+
+    /// Begins a run at time 0, and appends its first events.
+    pub fn begin(&mut self, seen: &mut Vec<Seen>) {
+        self.s = self.rules.initial();
+        self.new_facts.clear();
+        self.ending = false;
+        self.now = 0;
+        self.overdue.fill(false);
+        let mut met = Vec::new();
+        self.observe(None, &mut met);
+        self.beginnings(None, None, seen);
+        for (predicate, entry) in self.reach.iter().enumerate() {
+            if observe::predicate(&self.rules, None, &self.s, entry) {
+                seen.push(Seen::Reached { predicate });
+            }
+        }
+        seen.append(&mut met);
+    }
+
+    /// Returns the time since the start, in base units.
+    pub fn now(&self) -> u64 {
+        self.now
+    }
+
+    /// Lists the possible actions.
+    pub fn possible(&self, out: &mut Possible) {
+        self.rules.enabled(&self.s, &mut out.enabled);
+        if self.ending {
+            out.enabled.without_requests();
+        }
+    }
+
+    /// Performs one of the possible actions, and appends its events.
+    pub fn perform(&mut self, action: Action, seen: &mut Vec<Seen>) {
+        self.before.clone_from(&self.s);
+        for (fact, holds) in self.new_facts.drain(..) {
+            self.rules.frame().set_fact(&mut self.s, fact, holds);
+        }
+        let mut ended = None;
+        match action {
+            Action::Finish { executor, outcome } => {
+                ended = Some(executor);
+                if let Some(work) = self.rules.work(&self.before, executor) {
+                    seen.push(Seen::Ended { executor, work, outcome });
+                }
+            }
+            Action::Request { client, .. } => {
+                let at = self.rules.position(&self.before, client);
+                let step = self.rules.system().clients[client].steps.get(at);
+                if let Some(service) = step.and_then(ClientStep::requests) {
+                    seen.push(Seen::Requested { client, service });
+                }
+            }
+            _ => {}
+        }
+        self.rules.take_refusal();
+        self.rules.apply(&mut self.s, action);
+        if let Some(service) = self.rules.take_refusal() {
+            seen.push(Seen::Refused { service });
+        }
+        let before = std::mem::take(&mut self.before);
+        let mut met = Vec::new();
+        self.observe(Some(&before), &mut met);
+        self.before = before;
+        self.jobs(seen);
+        for task in 0..self.overdue.len() {
+            if self.rules.missed(&self.s, task) && !self.rules.missed(&self.before, task) {
+                seen.push(Seen::Missed { task });
+            }
+        }
+        for (predicate, entry) in self.reach.iter().enumerate() {
+            if observe::predicate(&self.rules, Some(&self.before), &self.s, entry)
+                && !entry.eval_still(&|atom| self.rules.atom(&self.before, atom))
+            {
+                seen.push(Seen::Reached { predicate });
+            }
+        }
+        seen.append(&mut met);
+        self.beginnings(Some(&self.before), ended, seen);
+        self.note_overdue(seen);
+    }
+
+    /// Sets a comparison of data, from the next action on.
+    pub fn set_fact(&mut self, fact: usize, holds: bool) {
+        self.new_facts.push((fact, holds));
+    }
+
+    /// Returns true if a comparison of data has been set in this run.
+    pub fn knows_fact(&self, fact: usize) -> bool {
+        self.rules.frame().fact(&self.s, fact).is_some()
+    }
+
+    /// Sets the duration, in base units, of the work that an executor has just begun. It must be a possible
+    /// duration.
+    pub fn decide(&mut self, executor: usize, time: Ticks) {
+        let l = self.rules.frame();
+        let (a, b) = l.window(&self.s, executor);
+        // A window within the present window: fewer runs, all of them runs of the system.
+        let time = time.clamp(a, b);
+        l.set_window(&mut self.s, executor, (time, time));
+    }
+
+    /// Returns the work of an executor: a codel for which it takes a ticket, waits or executes, or a delay.
+    /// `None` if there is none.
+    pub fn work(&self, executor: usize) -> Option<Work> {
+        let known = executor < self.executors();
+        known.then(|| self.rules.work(&self.s, executor)).flatten()
+    }
+
+    /// Returns the service that a client requests next, if its next step is a request.
+    pub fn requests(&self, client: ClientId) -> Option<ServiceId> {
+        let at = self.rules.position(&self.s, client);
+        let client = self.rules.system().clients.get(client)?;
+        client.steps.get(at)?.requests()
+    }
+
+    /// Returns the number of executors.
+    pub fn executors(&self) -> usize {
+        self.rules.frame().executors()
+    }
+
+    /// Returns the least and the greatest time until the end of an executor's work, in base units; `None` if
+    /// it executes nothing.
+    pub fn window(&self, executor: usize) -> Option<(Ticks, Ticks)> {
+        let l = self.rules.frame();
+        let executes = executor < l.executors() && l.is_executing(&self.s, executor);
+        executes.then(|| l.window(&self.s, executor))
+    }
+
+    /// Changes the remaining time of an executor's work. A system has no such action, but a replay may need
+    /// it. If the new window lies within the present [window](Self::window), the run remains one of the
+    /// system.
+    pub fn set_window(&mut self, executor: usize, window: (Ticks, Ticks)) {
+        if self.window(executor).is_some() {
+            let l = self.rules.frame();
+            l.set_window(&mut self.s, executor, window);
+        }
+    }
+
+    /// Returns the time for which no new action is possible, in base units. `None`: no action will ever be
+    /// possible.
+    pub fn next_moment(&self) -> Option<Ticks> {
+        self.next_moment_but(&|_| false)
+    }
+
+    /// Returns the time for which no new action is possible, in base units, if the executors with
+    /// `can_be_deferred` may end at any time.
+    pub fn next_moment_but(&self, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks> {
+        self.rules.next_moment(&self.s, can_be_deferred)
+    }
+
+    /// The same, but ticks of the tasks that `is_skipped` selects do not count.
+    pub fn next_moment_without_ticks(
+        &self,
+        can_be_deferred: &dyn Fn(usize) -> bool,
+        is_skipped: &dyn Fn(usize) -> bool,
+    ) -> Option<Ticks> {
+        let rules = &self.rules;
+        rules.next_moment_without_ticks(&self.s, can_be_deferred, is_skipped)
+    }
+
+    /// Returns the only work of a task in its next cycle; `None` if the task is in a cycle, may have to wait
+    /// for a core, or if something else than this work may follow.
+    pub fn idle_turn(&self, task: TaskId) -> Option<IdleTurn> {
+        self.rules.idle_turn(&self.s, task.into())
+    }
+
+    /// Returns the time until the next tick of a task, in base units, and whether an earlier tick is kept for
+    /// the next cycle. `None` if the task has no timer that runs.
+    pub fn tick(&self, task: TaskId) -> Option<(Ticks, bool)> {
+        self.rules.next_tick(&self.s, task.into())
+    }
+
+    /// Returns true if a client has taken its last step.
+    pub fn has_ended(&self, client: ClientId) -> bool {
+        let end = self.rules.system().clients[client].done();
+        self.rules.position(&self.s, client) == end
+    }
+
+    /// Lets time pass, at most until the next moment, and appends the events of that moment.
+    pub fn pass(&mut self, time: Ticks, seen: &mut Vec<Seen>) {
+        self.rules.elapse(&mut self.s, time);
+        self.now += u64::from(time);
+        self.note_overdue(seen);
+    }
+
+    /// Returns the duration so far of a task's job, in base units, if the task has a measured job.
+    pub fn job(&self, task: usize) -> Option<Ticks> {
+        let clock = self.rules.frame().response[task]?;
+        (self.rules.job(&self.s, task) != TaskStatus::Idle).then(|| self.s.t[clock])
+    }
+
+    /// Returns the time, in base units, for which the responses of an entry of [`Watched::within`] have been
+    /// awaited, if they are.
+    pub fn awaited(&self, within: usize) -> Option<Ticks> {
+        let l = self.rules.frame();
+        let clock = l.observer_clock(&self.s, within)?;
+        l.is_open(&self.s, within).then(|| self.s.t[clock])
+    }
+
+    /// Returns the number of places for activities. They are numbered as in [`Work::State`].
+    pub fn places(&self) -> usize {
+        self.rules.places()
+    }
+
+    /// Returns the automaton of the activity in a place: accepted, running, or ended and not yet reported.
+    pub fn activity(&self, place: usize) -> Option<AutomatonId> {
+        self.rules.activity(&self.s, place)
+    }
+
+    /// Interrupts the activity in a place, like a service that interrupts it. A system has no such action,
+    /// but a run on the real clock may need it.
+    pub fn interrupt(&mut self, place: usize) {
+        self.rules.interrupt_activity(&mut self.s, place);
+    }
+
+    /// Begins the shutdown of every component, as their clients' `kill` does: activities are interrupted,
+    /// then the permanent activities. No more requests are taken. A system has no such action, but the end of
+    /// a run needs it. Under the published semantics, which have no shutdown, activities are interrupted, and
+    /// permanent ones go on. A shutdown that [is stuck](Self::is_stuck) goes on.
+    pub fn shut_down(&mut self) {
+        self.ending = true;
+        for component in self.rules.system().components.keys() {
+            self.rules.begin_shutdown(&mut self.s, component);
+        }
+    }
+
+    /// Returns true if some shutdown waits for a task that was never started, because the start-up of an
+    /// earlier task has failed.
+    pub fn is_stuck(&self) -> bool {
+        let mut components = self.rules.system().components.keys();
+        components.any(|component| self.rules.is_stuck(&self.s, component))
+    }
+
+    /// Returns true if a component has ended after [`shut_down`](Self::shut_down).
+    pub fn is_shut_down(&self, component: ComponentId) -> bool {
+        self.rules.is_shut_down(&self.s, component)
+    }
+
+    /// Returns the service whose request the control task of a component is handling, and whether the request
+    /// is already refused. (Under the published semantics only the end of the validation shows that.)
+    pub fn handling(&self, component: ComponentId) -> Option<(ServiceId, bool)> {
+        self.rules.handling(&self.s, component)
+    }
+
+    /// Returns true if a request for a service was ever refused for lack of a slot.
+    pub fn has_refused(&self, service: ServiceId) -> bool {
+        self.rules.has_refused(service)
+    }
+}
+
+impl Stepper<'_> {
     /// Appends the work that executors began in a step; `ended` is the executor whose work has ended in the
     /// step.
     fn beginnings(&self, before: Option<&State>, ended: Option<usize>, seen: &mut Vec<Seen>) {
@@ -391,204 +419,13 @@ impl<R: Rules> Walker<R> {
     }
 }
 
-impl<R: Rules> Walk for Walker<R> {
-    fn begin(&mut self, seen: &mut Vec<Seen>) {
-        self.s = self.rules.initial();
-        self.new_facts.clear();
-        self.ending = false;
-        self.now = 0;
-        self.overdue.fill(false);
-        let mut met = Vec::new();
-        self.observe(None, &mut met);
-        self.beginnings(None, None, seen);
-        for (predicate, entry) in self.reach.iter().enumerate() {
-            if observe::predicate(&self.rules, None, &self.s, entry) {
-                seen.push(Seen::Reached { predicate });
-            }
-        }
-        seen.append(&mut met);
+impl std::fmt::Debug for Stepper<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Stepper").field("now", &self.now()).finish_non_exhaustive()
     }
+}
 
-    fn now(&self) -> u64 {
-        self.now
-    }
-
-    fn possible(&self, out: &mut Enabled) {
-        self.rules.enabled(&self.s, out);
-        if self.ending {
-            out.without_requests();
-        }
-    }
-
-    fn perform(&mut self, action: Action, seen: &mut Vec<Seen>) {
-        self.before.clone_from(&self.s);
-        for (fact, holds) in self.new_facts.drain(..) {
-            self.rules.frame().set_fact(&mut self.s, fact, holds);
-        }
-        let mut ended = None;
-        match action {
-            Action::Finish { executor, outcome } => {
-                ended = Some(executor);
-                if let Some(work) = self.rules.work(&self.before, executor) {
-                    seen.push(Seen::Ended { executor, work, outcome });
-                }
-            }
-            Action::Request { client, .. } => {
-                let at = self.rules.position(&self.before, client);
-                let step = self.rules.system().clients[client].steps.get(at);
-                if let Some(service) = step.and_then(ClientStep::requests) {
-                    seen.push(Seen::Requested { client, service });
-                }
-            }
-            _ => {}
-        }
-        self.rules.take_refusal();
-        self.rules.apply(&mut self.s, action);
-        if let Some(service) = self.rules.take_refusal() {
-            seen.push(Seen::Refused { service });
-        }
-        let before = std::mem::take(&mut self.before);
-        let mut met = Vec::new();
-        self.observe(Some(&before), &mut met);
-        self.before = before;
-        self.jobs(seen);
-        for task in 0..self.overdue.len() {
-            if self.rules.missed(&self.s, task) && !self.rules.missed(&self.before, task) {
-                seen.push(Seen::Missed { task });
-            }
-        }
-        for (predicate, entry) in self.reach.iter().enumerate() {
-            if observe::predicate(&self.rules, Some(&self.before), &self.s, entry)
-                && !entry.eval_still(&|atom| self.rules.atom(&self.before, atom))
-            {
-                seen.push(Seen::Reached { predicate });
-            }
-        }
-        seen.append(&mut met);
-        self.beginnings(Some(&self.before), ended, seen);
-        self.note_overdue(seen);
-    }
-
-    fn set_fact(&mut self, fact: usize, holds: bool) {
-        self.new_facts.push((fact, holds));
-    }
-
-    fn knows_fact(&self, fact: usize) -> bool {
-        self.rules.frame().fact(&self.s, fact).is_some()
-    }
-
-    fn decide(&mut self, executor: usize, time: Ticks) {
-        let l = self.rules.frame();
-        let (a, b) = l.window(&self.s, executor);
-        // A window within the present window: fewer runs, all of them runs of the system.
-        let time = time.clamp(a, b);
-        l.set_window(&mut self.s, executor, (time, time));
-    }
-
-    fn work(&self, executor: usize) -> Option<Work> {
-        let known = executor < self.executors();
-        known.then(|| self.rules.work(&self.s, executor)).flatten()
-    }
-
-    fn requests(&self, client: ClientId) -> Option<ServiceId> {
-        let at = self.rules.position(&self.s, client);
-        let client = self.rules.system().clients.get(client)?;
-        client.steps.get(at)?.requests()
-    }
-
-    fn executors(&self) -> usize {
-        self.rules.frame().executors()
-    }
-
-    fn window(&self, executor: usize) -> Option<(Ticks, Ticks)> {
-        let l = self.rules.frame();
-        let executes = executor < l.executors() && l.is_executing(&self.s, executor);
-        executes.then(|| l.window(&self.s, executor))
-    }
-
-    fn set_window(&mut self, executor: usize, window: (Ticks, Ticks)) {
-        if self.window(executor).is_some() {
-            let l = self.rules.frame();
-            l.set_window(&mut self.s, executor, window);
-        }
-    }
-
-    fn next_moment(&self, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks> {
-        self.rules.next_moment(&self.s, can_be_deferred)
-    }
-
-    fn next_moment_without_ticks(
-        &self,
-        can_be_deferred: &dyn Fn(usize) -> bool,
-        is_skipped: &dyn Fn(usize) -> bool,
-    ) -> Option<Ticks> {
-        let rules = &self.rules;
-        rules.next_moment_without_ticks(&self.s, can_be_deferred, is_skipped)
-    }
-
-    fn idle_turn(&self, task: TaskId) -> Option<IdleTurn> {
-        self.rules.idle_turn(&self.s, task.into())
-    }
-
-    fn tick(&self, task: TaskId) -> Option<(Ticks, bool)> {
-        self.rules.tick(&self.s, task.into())
-    }
-
-    fn has_ended(&self, client: ClientId) -> bool {
-        let end = self.rules.system().clients[client].done();
-        self.rules.position(&self.s, client) == end
-    }
-
-    fn pass(&mut self, time: Ticks, seen: &mut Vec<Seen>) {
-        self.rules.elapse(&mut self.s, time);
-        self.now += u64::from(time);
-        self.note_overdue(seen);
-    }
-
-    fn job(&self, task: usize) -> Option<Ticks> {
-        let clock = self.rules.frame().response[task]?;
-        (self.rules.job(&self.s, task) != TaskStatus::Idle).then(|| self.s.t[clock])
-    }
-
-    fn awaited(&self, within: usize) -> Option<Ticks> {
-        let l = self.rules.frame();
-        let clock = l.observer_clock(&self.s, within)?;
-        l.is_open(&self.s, within).then(|| self.s.t[clock])
-    }
-
-    fn places(&self) -> usize {
-        self.rules.places()
-    }
-
-    fn activity(&self, place: usize) -> Option<AutomatonId> {
-        self.rules.activity(&self.s, place)
-    }
-
-    fn interrupt(&mut self, place: usize) {
-        self.rules.interrupt_activity(&mut self.s, place);
-    }
-
-    fn shut_down(&mut self) {
-        self.ending = true;
-        for component in self.rules.system().components.keys() {
-            self.rules.begin_shutdown(&mut self.s, component);
-        }
-    }
-
-    fn is_stuck(&self) -> bool {
-        let mut components = self.rules.system().components.keys();
-        components.any(|component| self.rules.is_stuck(&self.s, component))
-    }
-
-    fn is_shut_down(&self, component: ComponentId) -> bool {
-        self.rules.is_shut_down(&self.s, component)
-    }
-
-    fn handling(&self, component: ComponentId) -> Option<(ServiceId, bool)> {
-        self.rules.handling(&self.s, component)
-    }
-
-    fn has_refused(&self, service: ServiceId) -> bool {
-        self.rules.has_refused(service)
-    }
+/// Returns true if what a monitor watches can begin in a state.
+fn opens(rules: &SystemRules, monitor: &Monitor, s: &State) -> bool {
+    monitor.opening().eval_still(&|atom| rules.atom(s, atom))
 }

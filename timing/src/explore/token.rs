@@ -16,7 +16,7 @@
 use super::findings::{Bound, Findings, Measured};
 use super::reductions::{NoReductions, Reduced};
 use super::rules::Moment;
-use super::rules::{Action, Enabled, Rules, Work};
+use super::rules::{Action, Enabled, Rules, SystemRules, Work};
 use super::run::Run;
 use super::search::explore_by;
 use super::state::{Clocks, Frame, State, TaskStatus};
@@ -26,7 +26,7 @@ use crate::property::Atom;
 use crate::scn::ast::ChainKind;
 use crate::system::chain::{Chain, DataPlace};
 use crate::system::{
-    AutomatonId, ClientId, CodelId, ComponentId, FOREVER, ServiceId, TaskId, Ticks, TimedSystem,
+    AutomatonId, CodelId, ComponentId, FOREVER, ServiceId, TaskId, Ticks, TimedSystem,
 };
 
 /// Returns the greatest age, in base units, up to which invisible ages are counted. Greater ages would be
@@ -39,8 +39,8 @@ pub(super) fn greatest_age(system: &TimedSystem) -> Ticks {
     sum.saturating_mul(32)
 }
 
-pub(super) fn explore_tracked<R: Rules>(
-    rules: &R,
+pub(super) fn explore_tracked(
+    rules: &SystemRules<'_>,
     chain: &Chain,
     watch: &Watch,
     limits: Limits,
@@ -83,8 +83,8 @@ mod status {
 const BITS: usize = u16::BITS as usize;
 
 /// Rules with a token.
-pub(super) struct Tracked<'c, R> {
-    pub(super) rules: R,
+pub(super) struct Tracked<'c, 's> {
+    pub(super) rules: SystemRules<'s>,
     pub(super) chain: &'c Chain,
     /// Place of the token in the discrete part.
     token: usize,
@@ -93,8 +93,8 @@ pub(super) struct Tracked<'c, R> {
     cap: Ticks,
 }
 
-impl<'c, R: Rules> Tracked<'c, R> {
-    pub(super) fn new(rules: &R, chain: &'c Chain, clocks: &Clocks) -> Self {
+impl<'c, 's> Tracked<'c, 's> {
+    pub(super) fn new(rules: &SystemRules<'s>, chain: &'c Chain, clocks: &Clocks) -> Self {
         let executors = rules.frame().executors();
         let places = chain.shared + chain.locals * holders(rules);
         let clocks = Clocks {
@@ -330,7 +330,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
 
 /// Returns the number of holders of local variables: the places of activities, and the request that each
 /// control task handles.
-pub(super) fn holders<R: Rules>(rules: &R) -> usize {
+pub(super) fn holders(rules: &SystemRules) -> usize {
     rules.places() + rules.system().components.len()
 }
 
@@ -342,11 +342,11 @@ fn set(s: &mut State, (word, bit): (usize, u16), value: bool) {
     if value { s.d[word] |= bit } else { s.d[word] &= !bit }
 }
 
-impl<R: Rules> Reduced for Tracked<'_, R> {
+impl Reduced for Tracked<'_, '_> {
     type Reductions = NoReductions;
 }
 
-impl<R: Rules> Rules for Tracked<'_, R> {
+impl Rules for Tracked<'_, '_> {
     fn with_clocks(&self, clocks: &Clocks) -> Self {
         Tracked::new(&self.rules, self.chain, clocks)
     }
@@ -454,10 +454,6 @@ impl<R: Rules> Rules for Tracked<'_, R> {
         self.rules.has_refused(service)
     }
 
-    fn take_refusal(&self) -> Option<ServiceId> {
-        self.rules.take_refusal()
-    }
-
     fn has_ended_restarts(&self, service: ServiceId) -> bool {
         self.rules.has_ended_restarts(service)
     }
@@ -477,28 +473,12 @@ impl<R: Rules> Rules for Tracked<'_, R> {
         self.rules.work(s, executor)
     }
 
-    fn position(&self, s: &State, client: ClientId) -> usize {
-        self.rules.position(s, client)
-    }
-
     fn places(&self) -> usize {
         self.rules.places()
     }
 
     fn activity(&self, s: &State, place: usize) -> Option<AutomatonId> {
         self.rules.activity(s, place)
-    }
-
-    fn interrupt_activity(&self, s: &mut State, place: usize) {
-        self.rules.interrupt_activity(s, place);
-    }
-
-    fn handling(&self, s: &State, component: ComponentId) -> Option<(ServiceId, bool)> {
-        self.rules.handling(s, component)
-    }
-
-    fn requested_place(&self, s: &State, component: ComponentId) -> Option<usize> {
-        self.rules.requested_place(s, component)
     }
 
     fn tell(

@@ -42,7 +42,7 @@ impl SystemRules<'_> {
             Atom::Client(client, ref steps) => steps.contains(&(l.position(s, client) as usize)),
             Atom::Tick(task) => {
                 let period = self.system.tasks[task].period;
-                self.tick(s, usize::from(task)).is_some_and(|(left, _)| Some(left) == period)
+                self.next_tick(s, usize::from(task)).is_some_and(|(left, _)| Some(left) == period)
             }
             Atom::Data { fact, negated } => {
                 self.frame().fact(s, fact).is_some_and(|holds| holds != negated)

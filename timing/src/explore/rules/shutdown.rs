@@ -57,7 +57,7 @@ impl SystemRules<'_> {
 
     /// Returns true if the shutdown of a component waits for a task that was never started, because an
     /// earlier task of the component has failed in its start-up. Such a task has nothing to stop.
-    pub(super) fn is_stuck(&self, s: &State, component: ComponentId) -> bool {
+    pub(in crate::explore) fn is_stuck(&self, s: &State, component: ComponentId) -> bool {
         let Some(Stage::Permanent(task) | Stage::Stopping(task)) = self.stage(s, component) else {
             return false;
         };

@@ -272,15 +272,6 @@ impl Rules for SystemRules<'_> {
         self.until_next(s, can_be_deferred, &|_| false)
     }
 
-    fn next_moment_without_ticks(
-        &self,
-        s: &State,
-        can_be_deferred: &dyn Fn(usize) -> bool,
-        is_skipped: &dyn Fn(usize) -> bool,
-    ) -> Option<Ticks> {
-        self.until_next(s, can_be_deferred, is_skipped)
-    }
-
     fn elapse(&self, s: &mut State, time: Ticks) {
         self.pass_time(s, time);
     }
@@ -349,10 +340,6 @@ impl Rules for SystemRules<'_> {
 
     fn has_refused(&self, service: ServiceId) -> bool {
         self.rejected[service].get()
-    }
-
-    fn take_refusal(&self) -> Option<ServiceId> {
-        self.refusal.take()
     }
 
     fn has_ended_restarts(&self, service: ServiceId) -> bool {
@@ -425,10 +412,6 @@ impl Rules for SystemRules<'_> {
         })
     }
 
-    fn position(&self, s: &State, client: ClientId) -> usize {
-        self.layout.position(s, client) as usize
-    }
-
     fn places(&self) -> usize {
         self.layout.all_slots()
     }
@@ -441,45 +424,6 @@ impl Rules for SystemRules<'_> {
         }
     }
 
-    fn idle_turn(&self, s: &State, task: usize) -> Option<IdleTurn> {
-        self.next_idle_turn(s, task)
-    }
-
-    fn tick(&self, s: &State, task: usize) -> Option<(Ticks, bool)> {
-        let l = &self.layout;
-        self.counts(s, task).then(|| (l.timer(s, task), l.pending(s, task)))
-    }
-
-    fn interrupt_activity(&self, s: &mut State, place: usize) {
-        let l = &self.layout;
-        if let Some(task) = (0..l.tasks).find(|&task| l.slots(task).contains(&place)) {
-            self.mark(s, task, place);
-        }
-    }
-
-    fn begin_shutdown(&self, s: &mut State, component: ComponentId) {
-        self.kill(s, component);
-        self.skip_unstarted(s, component);
-    }
-
-    fn is_stuck(&self, s: &State, component: ComponentId) -> bool {
-        SystemRules::is_stuck(self, s, component)
-    }
-
-    fn is_shut_down(&self, s: &State, component: ComponentId) -> bool {
-        self.has_shut_down(s, component)
-    }
-
-    fn handling(&self, s: &State, component: ComponentId) -> Option<(ServiceId, bool)> {
-        let l = &self.layout;
-        let service = l.handled(s, component)?;
-        Some((service, l.refused(s, component) != 0))
-    }
-
-    fn requested_place(&self, s: &State, component: ComponentId) -> Option<usize> {
-        (self.layout.given(s, component) as usize).checked_sub(1)
-    }
-
     fn tell(
         &self,
         change: (&State, &State),
@@ -488,5 +432,85 @@ impl Rules for SystemRules<'_> {
         out: &mut Vec<Moment>,
     ) {
         self.moments(change, action, time, out);
+    }
+}
+
+/// The rules as single runs need them.
+impl SystemRules<'_> {
+    /// The same, but ticks of the tasks that `is_skipped` selects do not count.
+    pub(in crate::explore) fn next_moment_without_ticks(
+        &self,
+        s: &State,
+        can_be_deferred: &dyn Fn(usize) -> bool,
+        is_skipped: &dyn Fn(usize) -> bool,
+    ) -> Option<Ticks> {
+        self.until_next(s, can_be_deferred, is_skipped)
+    }
+
+    /// Returns the service of the request that [`Rules::apply`] has refused since the last call: for lack of
+    /// a slot, by `after` or `before`, by a codel, or because nothing is left to abort.
+    pub(in crate::explore) fn take_refusal(&self) -> Option<ServiceId> {
+        self.refusal.take()
+    }
+
+    /// Returns the step of a client; [`Client::done`](crate::system::Client::done) after the last step, one
+    /// more before the first.
+    pub(in crate::explore) fn position(&self, s: &State, client: ClientId) -> usize {
+        self.layout.position(s, client) as usize
+    }
+
+    /// Returns the only work of a task in its next cycle; `None` if the task is in a cycle, or if something
+    /// else than this work may follow.
+    pub(in crate::explore) fn idle_turn(&self, s: &State, task: usize) -> Option<IdleTurn> {
+        self.next_idle_turn(s, task)
+    }
+
+    /// Returns the time until the next tick of a task, and whether an earlier tick is kept for the next
+    /// cycle. `None` if the task has no timer that runs.
+    pub(in crate::explore) fn next_tick(&self, s: &State, task: usize) -> Option<(Ticks, bool)> {
+        let l = &self.layout;
+        self.counts(s, task).then(|| (l.timer(s, task), l.pending(s, task)))
+    }
+
+    /// Interrupts the activity in a place, like a service that interrupts it.
+    pub(in crate::explore) fn interrupt_activity(&self, s: &mut State, place: usize) {
+        let l = &self.layout;
+        if let Some(task) = (0..l.tasks).find(|&task| l.slots(task).contains(&place)) {
+            self.mark(s, task, place);
+        }
+    }
+
+    /// Begins the shutdown of a component, if the state has a place for it ([`Clocks::ends`]), or goes on
+    /// with it if it [is stuck](Self::is_stuck).
+    pub(in crate::explore) fn begin_shutdown(&self, s: &mut State, component: ComponentId) {
+        self.kill(s, component);
+        self.skip_unstarted(s, component);
+    }
+
+    /// Returns true if a component has been shut down.
+    pub(in crate::explore) fn is_shut_down(&self, s: &State, component: ComponentId) -> bool {
+        self.has_shut_down(s, component)
+    }
+
+    /// Returns the service whose request a control task is handling, and whether the request is already
+    /// refused.
+    pub(in crate::explore) fn handling(
+        &self,
+        s: &State,
+        component: ComponentId,
+    ) -> Option<(ServiceId, bool)> {
+        let l = &self.layout;
+        let service = l.handled(s, component)?;
+        Some((service, l.refused(s, component) != 0))
+    }
+
+    /// Returns the place of the activity whose request a control task is handling; `None` if there is none,
+    /// or if the place is given later.
+    pub(in crate::explore) fn requested_place(
+        &self,
+        s: &State,
+        component: ComponentId,
+    ) -> Option<usize> {
+        (self.layout.given(s, component) as usize).checked_sub(1)
     }
 }

@@ -91,6 +91,9 @@ impl Parser<'_> {
             "deadlock" => CheckKind::Deadlock,
             _ => CheckKind::Reachable(self.formula()?),
         };
+        for lower in &mut self.lower {
+            lower.name.clone_from(&name);
+        }
         Some(Check { name, subject: None, kind, range: start..self.end() })
     }
 
