@@ -49,7 +49,7 @@ impl Format {
         };
         let why = match query.kind {
             QueryKind::Lively { .. } => format!("deadlock ({tool} has no such query)"),
-            QueryKind::Greatest(_) if self != Format::TChecker && !has_limit() => {
+            QueryKind::Greatest(_) if !has_limit() => {
                 format!("time without a limit ({tool} has no greatest value)")
             }
             _ => return None,

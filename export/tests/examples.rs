@@ -204,6 +204,19 @@ fn a_predicate_without_a_moment_is_refused() {
 }
 
 #[test]
+fn a_time_without_a_limit_is_refused_where_there_is_no_greatest_value() {
+    let specification = "component c { version \"1\"; lang \"c\"; task t { period 5 ms;
+        codel<start> a() yield pause::start wcet 1 ms; }; };";
+    let scenario = "scenario s { semantics servers; unit 1 ms; check slow: response c.t; }";
+    let system = System::of_texts(&[specification.to_owned()], scenario).expect("no errors");
+    let prepared = system.prepared(&Options::default());
+    let refused =
+        |format| export(&prepared, &|_, _| None, format).err().map_or(0, |found| found.len());
+    let formats = [Format::Uppaal, Format::TChecker, Format::Fiacre, Format::Bip];
+    assert_eq!(formats.map(refused), [0, 1, 1, 1]);
+}
+
+#[test]
 fn asynchronous_codels_with_a_thread_of_their_own_are_refused() {
     let specification = "component c { version \"1\"; lang \"c\"; task t { period 5 ms;
         async codel<start> a() yield pause::start wcet 1 ms; }; };";
