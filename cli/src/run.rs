@@ -419,6 +419,10 @@ impl Arguments {
                 "components wait for a debugger on Linux only",
             ),
             (
+                (self.width.is_some() || self.shard.of > 1) && !virtually,
+                "`--width` and `--shard` are for `--clock virtual`: runs on the clock of this machine are no sample",
+            ),
+            (
                 self.socket.is_some() && virtually,
                 "`--socket` needs `--clock real`: no request can come in time on the virtual clock",
             ),

@@ -504,6 +504,17 @@ fn the_reports_of_parts_merge_into_the_report_of_the_whole() {
     let limit = [&runs[..], &["--shard", "2/3", "--check", "response late.t <= 9 ms"]].concat();
     directory.write("limit.json", &run(&limit).stdout);
     assert!(stderr(&merge("1.json limit.json")).contains("different checks"));
+    directory.write("late.proba", b"# weights\n");
+    let weights = [&runs[..], &["--shard", "2/3", "--weights", "late.proba"]].concat();
+    directory.write("weights.json", &run(&weights).stdout);
+    let weights = merge("1.json weights.json");
+    assert!(stderr(&weights).contains("different assumptions"), "{}", stderr(&weights));
+    let text = stdout(&whole).replace("\"model\": \"", "\"model\": \"0");
+    directory.write("times.json", text.as_bytes());
+    let times = merge("1.json times.json");
+    assert!(stderr(&times).contains("different execution times"), "{}", stderr(&times));
+    let real = run(&["--clock", "real", "--runs", "9", "--shard", "1/3"]);
+    assert!(stderr(&real).contains("are for `--clock virtual`"), "{}", stderr(&real));
     let text = stdout(&whole).replace("\"seed\": 5,", "\"seed\": 18446744073709551615,");
     directory.write("far.json", text.as_bytes());
     assert!(stderr(&merge("far.json")).contains("are not part"), "{}", stderr(&merge("far.json")));

@@ -1,5 +1,7 @@
 //! The report of a run, as data. The JSON form is part of the interface of `dotgen run`.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
+
 use dotgen_analysis::model::Seconds;
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::{TimeUnit, Value};
@@ -35,6 +37,8 @@ pub struct RunReport {
     pub seed: u64,
     /// Choice of execution times.
     pub durations: Durations,
+    /// Checksum of the system, its times and the weights of its yields: runs of one sample have the same.
+    pub model: String,
     /// Number of runs, each from the start.
     pub runs: u64,
     /// Time at which each run ends at the latest, if there is one.
@@ -224,6 +228,21 @@ pub fn violation(
     ReportBuilder { prepared, seed: plan.seed }.violation(judge, number)
 }
 
+/// Returns the assumptions of the model, with what the choices of the runs are drawn by.
+fn assumptions(prepared: &Prepared, plan: &Plan) -> Vec<String> {
+    let mut out = prepared.report.assumptions.clone();
+    if plan.weights.is_some() {
+        out.push("yields of simulated codels: drawn by weights".to_owned());
+    }
+    out
+}
+
+fn checksum(prepared: &Prepared, plan: &Plan) -> String {
+    let mut hasher = DefaultHasher::new();
+    format!("{:?} {:?}", prepared.built.system, plan.weights).hash(&mut hasher);
+    format!("{:016x}", hasher.finish())
+}
+
 /// Returns the results of the checks of one run. `simulated`: some codels were not executed.
 pub fn checks(prepared: &Prepared, judge: &RunChecker<'_>, simulated: bool) -> Vec<CheckOutcome> {
     ReportBuilder { prepared, seed: 0 }.checks(judge, simulated)
@@ -276,6 +295,7 @@ impl RunReport {
             unit: prepared.report.unit,
             seed: plan.seed,
             durations: plan.durations,
+            model: checksum(prepared, plan),
             runs: outcome.runs,
             until: (plan.until < u64::MAX).then(|| Value::Time(prepared.time(plan.until))),
             time: Value::Time(prepared.time(outcome.time)),
@@ -293,7 +313,7 @@ impl RunReport {
                 .map(|number| make.violation(&outcome.judge, number))
                 .collect(),
             violation_count: outcome.judge.count,
-            assumptions: prepared.report.assumptions.clone(),
+            assumptions: assumptions(prepared, plan),
             notes,
             // If what is counted decides when to stop, or a run was cut off, the count is no sample.
             is_sample: outcome.runs == plan.runs
