@@ -19,7 +19,7 @@ use dotgen_timing::verify::Prepared;
 
 pub use self::import::{Error, Goal, Imported, MAX_BYTES, import};
 use self::model::{Network, Query, QueryKind};
-pub use self::translate::{Place, Refusal, translate};
+pub use self::translate::{Place, Refusal, check_name, translate};
 
 /// The language of a tool.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

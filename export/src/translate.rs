@@ -30,6 +30,7 @@ use dotgen_timing::verify::Prepared;
 
 use crate::model::Network;
 
+pub use self::checks::check_name;
 use self::layout::Layout;
 pub use self::refusals::Refusal;
 use self::unique::identifier;

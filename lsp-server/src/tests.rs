@@ -8,6 +8,7 @@ mod component;
 mod configuration;
 mod diagnostics;
 mod editing;
+mod export;
 mod features;
 mod generate;
 mod harmless;

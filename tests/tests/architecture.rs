@@ -61,6 +61,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "dotgen-codegen",
             "dotgen-diagram",
             "dotgen-timing",
+            "dotgen-export",
         ],
     ),
     (

@@ -12,6 +12,8 @@ import { SyntaxTreeView } from './commands/syntaxTree';
 import { affectsServerProcess } from './config';
 import { openExample } from './examples/open';
 import { GenerateCommands, type Target as GenerateTarget } from './generate/commands';
+import { exportModel } from './generate/exportModel';
+import { Review } from './generate/review';
 import { reported } from './failure';
 import { IdlAssociation } from './idl';
 import { openManual } from './manual';
@@ -51,12 +53,14 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   const verification = new VerificationPanel(it, context.extensionUri);
   const traces = new TraceViewer(it, context.extensionUri);
   const headers = new CodelHeaders(it, context.workspaceState);
-  const generate = new GenerateCommands(it);
+  const review = new Review();
+  const generate = new GenerateCommands(it, review);
   const changes = new Changes();
   context.subscriptions.push(
-    generate,
+    review,
     vscode.commands.registerCommand('dotgen.generateFiles', (target?: GenerateTarget) => generate.generate(target)),
     vscode.commands.registerCommand('dotgen.regenerateFiles', (target?: GenerateTarget) => generate.regenerate(target)),
+    vscode.commands.registerCommand('dotgen.exportModel', () => reported(() => exportModel(it, review))),
     log,
     output,
     statusItem(it),

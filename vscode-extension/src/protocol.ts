@@ -301,6 +301,25 @@ export const trace = new RequestType<
   void
 >('dotgen/trace');
 
+/** A file of a formal model: its name without a folder. */
+export interface ModelFile {
+  name: string;
+  text: string;
+}
+
+/** A reason why there is no formal model. */
+export interface Refusal {
+  message: string;
+  location: Place | null;
+}
+
+/** The formal model of a document in a format, as on the command line; null for other languages. Nothing is written. */
+export const exportModel = new RequestType<
+  { textDocument: TextDocumentIdentifier; format: string },
+  { files: ModelFile[] } | { refusals: Refusal[] } | null,
+  void
+>('dotgen/exportModel');
+
 /** An interface of the workspace that a new component can provide or use. */
 export interface InterfaceInfo {
   name: string;

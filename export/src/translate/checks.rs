@@ -1,6 +1,7 @@
 //! Checks as observers: locations of the scheduler that are reached if a check fails, or if it has a witness.
 
 use dotgen_timing::property::predicate::{Atom, Predicate};
+use dotgen_timing::report::CheckReport;
 use dotgen_timing::system::TaskId;
 use dotgen_timing::verify::{Prepared, PreparedCheck, Question};
 
@@ -41,6 +42,12 @@ struct Entry<'c> {
     question: &'c Question,
 }
 
+/// Returns the name of a check in models and refusals: kind and subject, after its own name if it has one.
+pub fn check_name(report: &CheckReport) -> String {
+    let words = format!("{} {}", report.kind, report.of);
+    report.name.as_ref().map(|name| format!("{name}: {words}")).unwrap_or(words)
+}
+
 /// The clocks of a response time: the present job's is `a` or `b`, as a variable says.
 const SIDES: [(usize, &str); 2] = [(0, "a"), (1, "b")];
 
@@ -53,8 +60,7 @@ impl<'c> Checks<'c> {
         let mut refusals = Vec::new();
         for (index, check) in prepared.checks.iter().enumerate() {
             let PreparedCheck { report, question, .. } = check;
-            let words = format!("{} {}", report.kind, report.of);
-            let name = report.name.as_ref().map(|name| format!("{name}: {words}")).unwrap_or(words);
+            let name = check_name(report);
             let goal = format!("check_{}_{}", index + 1, identifier(report.kind.word()));
             let mut parts: Vec<&Predicate> = Vec::new();
             match question {

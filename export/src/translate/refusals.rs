@@ -14,7 +14,8 @@ use super::layout::Layout;
 pub struct Refusal {
     /// The construct, as scenarios and specifications write it.
     pub construct: String,
-    /// Its place: a check, a client, a service or a state machine; `None` for the whole scenario.
+    /// Its place: a check ([`check_name`](super::check_name)), a client, a service or a state machine; `None`
+    /// for the whole scenario.
     pub place: Option<String>,
 }
 

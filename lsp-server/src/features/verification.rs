@@ -3,6 +3,7 @@
 
 mod answer;
 mod diagnostics;
+mod export;
 mod lens;
 pub(crate) mod problems;
 mod remedy;
@@ -28,6 +29,7 @@ use dotgen_views::verification::{Problem, problem};
 
 pub(crate) use answer::{Question, VerificationParams, VerificationResult, prepare, present};
 pub(crate) use diagnostics::{in_scenario, in_specification};
+pub(crate) use export::{ExportParams, ExportResult, to_export};
 pub(crate) use lens::{hover, lenses, scenario_lenses};
 pub(crate) use sensitivity::{SensitivityParams, SensitivityResult, ask, shown};
 pub(crate) use trace::{TraceResult, trace};

@@ -183,6 +183,18 @@ impl Backend {
         answer.await.map(Some)
     }
 
+    /// `dotgen/exportModel`
+    pub(crate) async fn export_model(
+        &self,
+        params: verification::ExportParams,
+    ) -> Result<Option<verification::ExportResult>> {
+        let uri = params.text_document.uri.clone();
+        match self.dispatch.document(uri, params, verification::to_export).await? {
+            Some(model) => model.export().await.map(Some),
+            None => Ok(None),
+        }
+    }
+
     /// `dotgen/codelHeaders`
     pub(crate) async fn codel_headers(
         &self,

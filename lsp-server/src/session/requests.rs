@@ -33,6 +33,7 @@ pub(super) fn custom_methods(builder: Builder) -> Builder {
         .custom_method("dotgen/verification", Backend::verification)
         .custom_method("dotgen/trace", Backend::trace)
         .custom_method("dotgen/sensitivity", Backend::sensitivity)
+        .custom_method("dotgen/exportModel", Backend::export_model)
         .custom_method("dotgen/codelHeaders", Backend::codel_headers)
         .custom_method("dotgen/interfaces", Backend::interfaces)
         .custom_method("dotgen/newComponent", Backend::new_component)

@@ -6,7 +6,7 @@ import { LANGUAGE } from '../protocol';
 import { offerTrust } from '../restricted';
 import { askArguments } from './options';
 import type { Choice, Plan, TemplateInfo, Templates, TemplateUsage } from './protocol';
-import { Review } from './review';
+import type { Review } from './review';
 
 const KINDS = { builtin: 'part of dotgen', tcl: 'GenoM3 template', minijinja: 'MiniJinja template' };
 
@@ -19,14 +19,11 @@ export interface Target {
   uri: string;
 }
 
-export class GenerateCommands implements vscode.Disposable {
-  private readonly review = new Review();
-
-  constructor(private readonly server: Server) {}
-
-  dispose(): void {
-    this.review.dispose();
-  }
+export class GenerateCommands {
+  constructor(
+    private readonly server: Server,
+    private readonly review: Review,
+  ) {}
 
   /** Asks for a template and its options, and runs it. */
   async generate(target?: Target): Promise<void> {
@@ -94,7 +91,7 @@ export class GenerateCommands implements vscode.Disposable {
         }
         return;
       case 'preview':
-        if (await this.review.confirm(title, plan)) {
+        if (await this.review.confirm(title, plan.files)) {
           await this.remember(uri, plan.choices);
           void vscode.window.showInformationMessage(`${title}: written.`);
         }

@@ -1,7 +1,7 @@
-// Showing what a template would write, before it does: a comparison of all files, then a question.
+// Showing what a template or an export would write, before it does: a comparison of all files, then a question.
 import { chmod } from 'node:fs/promises';
 import * as vscode from 'vscode';
-import type { FileChange, Plan } from './protocol';
+import type { FileChange } from './protocol';
 import { isStale } from './stale';
 
 const SCHEME = 'dotgen-generated';
@@ -9,7 +9,10 @@ const SCHEME = 'dotgen-generated';
 /** `all`: every file may be written at once; `some`: files that act later have to be chosen. */
 const CONTEXT = 'dotgen.preview';
 
-type Answer = 'write' | 'choose' | 'discard';
+type Answer = 'write' | 'choose' | 'elsewhere' | 'discard';
+
+/** Asks for another folder, and gives the files there. */
+type Elsewhere = () => Promise<FileChange[] | undefined>;
 
 interface FileItem extends vscode.QuickPickItem {
   file: FileChange;
@@ -40,29 +43,30 @@ export class Review implements vscode.TextDocumentContentProvider, vscode.Dispos
   }
 
   /** Shows the files and writes those the user wants and that have not changed meanwhile; whether there were any. */
-  async confirm(title: string, plan: Plan): Promise<boolean> {
-    await this.show(title, plan.files);
-    const created = plan.files.filter((it) => it.change === 'create').length;
-    const changed = plan.files.length - created;
+  async confirm(title: string, files: FileChange[], elsewhere?: Elsewhere): Promise<boolean> {
+    await this.show(title, files);
+    const created = files.filter((it) => it.change === 'create').length;
+    const changed = files.length - created;
     const counts = [created > 0 ? `${created} new` : '', changed > 0 ? `${changed} changed` : ''].filter((it) => it !== '').join(', ');
-    const marked = plan.files.filter((it) => it.concern).map((it) => `${vscode.workspace.asRelativePath(vscode.Uri.parse(it.uri))} is ${it.concern}. `);
+    const marked = files.filter((it) => it.concern).map((it) => `${vscode.workspace.asRelativePath(vscode.Uri.parse(it.uri))} is ${it.concern}. `);
     const question = `${title}: ${counts}. ${marked.join('')}Nothing is written yet.`;
-    const answer = await this.ask(question, marked.length > 0);
-    let files: FileChange[] | undefined;
+    const answer = await this.ask(question, marked.length > 0, elsewhere !== undefined);
+    const moved = answer === 'elsewhere' ? await elsewhere?.() : undefined;
+    let wanted: FileChange[] = [];
     if (answer === 'write') {
-      files = plan.files;
+      wanted = files;
     } else if (answer === 'choose') {
-      files = await choose(title, plan.files);
+      wanted = (await choose(title, files)) ?? [];
     }
     await this.close();
-    if (files === undefined || files.length === 0) {
-      return false;
+    if (moved !== undefined) {
+      return this.confirm(title, moved, elsewhere);
     }
-    return write(title, files);
+    return wanted.length > 0 && write(title, wanted);
   }
 
   /** The buttons are in the title of the preview and in the message. A message that is closed answers nothing. */
-  private async ask(question: string, choose: boolean): Promise<Answer> {
+  private async ask(question: string, choose: boolean, moves: boolean): Promise<Answer> {
     this.answer?.('discard');
     const answered = new Promise<Answer>((resolve) => (this.answer = resolve));
     const mine = this.answer;
@@ -70,6 +74,7 @@ export class Review implements vscode.TextDocumentContentProvider, vscode.Dispos
     const choices: (vscode.MessageItem & { answer: Answer })[] = [
       ...(choose ? [] : [{ title: 'Write', answer: 'write' as const }]),
       { title: 'Choose Files…', answer: 'choose' },
+      ...(moves ? [{ title: 'Other Folder…', answer: 'elsewhere' as const }] : []),
       { title: 'Discard', answer: 'discard' },
     ];
     void vscode.window.showInformationMessage(question, ...choices).then((it) => it !== undefined && mine?.(it.answer));
@@ -110,7 +115,7 @@ function tabs(): vscode.Tab[] {
 function isOurs({ input, label }: vscode.Tab): boolean {
   if (input instanceof vscode.TabInputTextDiff) return input.modified.scheme === SCHEME;
   if (input instanceof vscode.TabInputText) return input.uri.scheme === SCHEME;
-  return label.startsWith('Generate: ');
+  return /^(Generate|Export): /.test(label);
 }
 
 async function choose(title: string, files: FileChange[]): Promise<FileChange[] | undefined> {
@@ -145,7 +150,7 @@ async function write(title: string, wanted: FileChange[]): Promise<boolean> {
   }
   if (stale.length > 0) {
     const [them, text] = stale.length === 1 ? ['it was', 'the text'] : ['they were', 'the texts'];
-    void vscode.window.showWarningMessage(`${title}: ${stale.join(', ')} changed after the preview, so ${them} not written. Regenerate to merge ${text}.`);
+    void vscode.window.showWarningMessage(`${title}: ${stale.join(', ')} changed after the preview, so ${them} not written. Repeat the command to compare ${text}.`);
   }
   if (files.length === 0) {
     return false;
