@@ -207,6 +207,7 @@ fn runs_and_replays_follow_each_pattern_as_it_is_verified() {
     let output = directory.run(&["replay", "run.mcap", "patterns.scn", "--format", "json"]);
     let replayed = json_of(&output);
     assert_eq!(said(&replayed), said(&report), "{replayed:#}");
+    assert_eq!(said(&report)["fails_leadsto"], ["not-exercised"]);
     // The missing end of a run cannot be seen.
     let endless = ["fails_eventually", "fails_reachable", "fails_leadsto", "holds_deadlock"];
     for (name, verdicts) in said(&report) {

@@ -40,6 +40,8 @@ pub enum Idle {
     NotWritten { fact: usize },
     /// The first predicate of the check did not become true.
     NoTrigger,
+    /// The first predicate became true, and the run ended before the second one did.
+    NotAnswered,
     /// The expected event did not come.
     NotSeen,
 }
@@ -284,6 +286,7 @@ impl<'p> RunChecker<'p> {
             | Question::NoOverdue(task)
             | Question::Response(task, _) => Idle::NoCodel { task },
             Question::Always(_) | Question::Deadlock => Idle::NothingExecuted,
+            Question::LeadsTo(..) if self.answers[check].greatest.is_some() => Idle::NotAnswered,
             Question::Within(..) | Question::LeadsTo(..) | Question::Pattern(_) => Idle::NoTrigger,
             Question::Eventually(_) | Question::Reachable(_) => Idle::NotSeen,
         })
@@ -358,7 +361,10 @@ impl<'p> RunChecker<'p> {
             if let (Some(place), true) = (self.places[check], self.is_within(check))
                 && let Some(so_far) = stepper.awaited(place)
             {
-                self.exercise(check);
+                // Without a limit, only an answer shows anything.
+                if matches!(self.prepared.checks[check].question, Question::Within(..)) {
+                    self.exercise(check);
+                }
                 self.lasts(now, check, so_far);
             }
         }
