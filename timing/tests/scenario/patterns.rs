@@ -31,3 +31,35 @@ fn each_pattern_has_a_check_that_holds_and_one_that_fails() {
         );
     }
 }
+
+/// With a tick at time 0, every search knows that nothing can come before it.
+#[test]
+fn random_search_begins_with_the_monitors_of_time_0() {
+    let unit = load(
+        r#"
+component c { task t0 { period 16 ms; codel<start> a() yield pause::start wcet 2 ms; }; };
+component d {
+  ids { long f0; };
+  task t0 {
+    period 8 ms;
+    delay 3 ms;
+    codel<start> b(inout f0) yield pause::x wcet 2 ms;
+    codel<x> e(in f0) yield y wcet 2 ms;
+    codel<y> f(in f0) yield pause::x wcet 0 ms;
+  };
+  task t1 { period 4 ms; codel<start> g() yield pause::start wcet 2 ms; };
+};
+"#,
+    );
+    let parsed = parse(
+        "scenario s { cores free; policy any; durations interval;
+           check order: c.t0.tick precedes d.t0.start.exec;
+           check between d.t0.x.exec and d.t1.idle always d.t0.x.exec;
+           check after c.t0.running until d.t1.running always c.t0.start.exec; }",
+    );
+    assert_eq!(parsed.errors, []);
+    let input = SystemInput { specs: vec![&unit.spec] };
+    let report = verify(&input, &parsed.scenario, &Options::default(), &Cancel::default());
+    let verdicts: Vec<Verdict> = report.checks.iter().map(|check| check.verdict).collect();
+    assert_eq!(verdicts, [Verdict::Proved, Verdict::Refuted, Verdict::Refuted]);
+}

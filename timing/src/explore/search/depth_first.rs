@@ -212,7 +212,7 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
         self.open.clear();
         self.steps = 0;
         let at = Sight { parent: START, time: 0 };
-        let s = self.observations.rules.initial();
+        let s = self.observations.initial();
         self.observations.check(None, &s, at);
         self.open.push(Open { s, held: 0, at });
     }
@@ -327,7 +327,7 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
             steps.push(step);
             last = before;
         }
-        let mut s = self.observations.rules.initial();
+        let mut s = self.observations.initial();
         let mut names = self.observations.reductions.orbits().identity();
         let mut run = Run::default();
         for step in steps.into_iter().rev() {

@@ -13,7 +13,6 @@ use super::graph::{Graph, Links, NodeId};
 use super::observations::{Observations, Sight};
 use crate::cancel::Cancel;
 use crate::explore::measure::{Divergence, Gauge, MeasurementMode};
-use crate::explore::observe;
 use crate::explore::reductions::{Kind, Reduced, Reductions, SleepSet};
 use crate::explore::rules::Enabled;
 use crate::explore::run::Run;
@@ -141,7 +140,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
 
     /// Explores until all states have been examined, the exploration is stopped, or a time diverges.
     pub(super) fn run(&mut self, by: &mut dyn PollControl<'a, R>) -> Option<Divergence> {
-        let initial = self.observations.rules.initial();
+        let initial = self.observations.initial();
         self.close_layer(0, vec![(initial, NodeId::ROOT)], true, by);
         while self.continues()
             && let Some((time, parents)) = self.graph.next_moment()
@@ -219,8 +218,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
         let mut stack: Vec<(State, NodeId, SleepSet)> =
             states.into_iter().map(|(s, parent)| (s, parent, 0)).collect();
         if initial {
-            for (s, parent, _) in &mut stack {
-                observe::observe(&self.observations.rules, &self.observations.observers, None, s);
+            for (s, parent, _) in &stack {
                 let parent = *parent;
                 self.observations.check(None, s, Sight { parent, time });
             }

@@ -117,6 +117,13 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
         }
     }
 
+    /// Returns the state at time 0, with the obligations and the monitors that begin there.
+    pub(super) fn initial(&self) -> State {
+        let mut s = self.rules.initial();
+        observe::observe(&self.rules, &self.observers, None, &mut s);
+        s
+    }
+
     /// Removes all observations.
     pub(super) fn clear_observations(&mut self) {
         self.seen.goals.values_mut().for_each(|goal| *goal = None);

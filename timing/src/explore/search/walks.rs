@@ -215,7 +215,7 @@ impl Walks<'_> {
     fn look_for(&mut self, aim: Aim, actions: u64) {
         let until = self.actions + actions;
         let mut number = 0;
-        let start = Position { s: self.observations.rules.initial(), now: 0, steps: 0 };
+        let start = Position { s: self.observations.initial(), now: 0, steps: 0 };
         while !self.is_over(aim, until) {
             let before = self.longest(aim);
             let actions = ACTIONS_OF_WALK << (number / 5 % 3);

@@ -181,9 +181,7 @@ impl<R: Reduced> Layers<'_, R> {
         goal: &Target,
     ) -> Option<(Vec<Action>, State, TargetMatch)> {
         let mut start = if parent == NodeId::ROOT {
-            let mut s = self.observations.rules.initial();
-            observe::observe(&self.observations.rules, &self.observations.observers, None, &mut s);
-            s
+            self.observations.initial()
         } else {
             let mut s = self.state_of(parent);
             self.observations.rules.elapse(&mut s, (time - self.graph[parent].time) as Ticks);
