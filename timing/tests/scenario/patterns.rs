@@ -36,7 +36,7 @@ fn each_pattern_has_a_check_that_holds_and_one_that_fails() {
 #[test]
 fn random_search_begins_with_the_monitors_of_time_0() {
     let unit = load(
-        r#"
+        r"
 component c { task t0 { period 16 ms; codel<start> a() yield pause::start wcet 2 ms; }; };
 component d {
   ids { long f0; };
@@ -49,7 +49,7 @@ component d {
   };
   task t1 { period 4 ms; codel<start> g() yield pause::start wcet 2 ms; };
 };
-"#,
+",
     );
     let parsed = parse(
         "scenario s { cores free; policy any; durations interval;
