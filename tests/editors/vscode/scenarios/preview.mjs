@@ -67,6 +67,8 @@ export function checks(wb) {
       await wb.shot('preview-02-details.png');
     }],
     ['the state under the cursor is marked', async () => {
+      // The click may leave the focus in the picture, where no line can be chosen.
+      await focusText();
       await wb.endOf(FILE, 'codel<measure>');
       await until('measure is marked', async () => /current/.test((await node('measure').getAttribute('class')) ?? ''));
     }],
