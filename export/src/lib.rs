@@ -38,7 +38,7 @@ impl Format {
     /// Returns the refusal of a query that the language cannot ask.
     fn refusal(self, query: &Query, network: &Network) -> Option<Refusal> {
         let has_limit = || {
-            let mut same = network.queries.iter().filter(|other| other.name == query.name);
+            let mut same = network.queries.iter().filter(|other| other.check == query.check);
             same.any(|other| matches!(other.kind, QueryKind::Never { .. }))
         };
         let tool = match self {

@@ -214,6 +214,14 @@ fn a_time_without_a_limit_is_refused_where_there_is_no_greatest_value() {
         |format| export(&prepared, &|_, _| None, format).err().map_or(0, |found| found.len());
     let formats = [Format::Uppaal, Format::TChecker, Format::Fiacre, Format::Bip];
     assert_eq!(formats.map(refused), [0, 1, 1, 1]);
+    // Another check of the same time has a limit.
+    let scenario = scenario
+        .replace("check slow: response c.t;", "check response c.t; check response c.t <= 5 ms;");
+    let system = System::of_texts(&[specification.to_owned()], &scenario).expect("no errors");
+    let prepared = system.prepared(&Options::default());
+    let refused =
+        |format| export(&prepared, &|_, _| None, format).err().map_or(0, |found| found.len());
+    assert_eq!(formats.map(refused), [0, 1, 1, 1]);
 }
 
 #[test]

@@ -57,7 +57,7 @@ pub struct Difference {
     pub what: DifferenceKind,
 }
 
-/// What the checks of a replayed run follow.
+/// A step of a replayed run, for its checks.
 #[derive(Debug, Clone, Copy)]
 pub enum Observed<'e> {
     Event(&'e Seen),

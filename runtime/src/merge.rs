@@ -78,7 +78,7 @@ impl RunReport {
             (checks(self) != checks(other), "checks"),
             (names(self) != names(other), "components"),
             (self.assumptions != other.assumptions, "assumptions"),
-            (self.model != other.model, "execution times, periods or weights"),
+            (self.model != other.model, "systems, execution times or weights"),
         ];
         match differs.into_iter().find(|(differ, _)| *differ) {
             Some((_, what)) => Err(format!("the reports have different {what}")),

@@ -307,7 +307,7 @@ export interface ModelFile {
   text: string;
 }
 
-/** A reason why there is no formal model. */
+/** A reason against a formal model. */
 export interface Refusal {
   message: string;
   location: Place | null;

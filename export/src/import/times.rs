@@ -98,7 +98,7 @@ pub(super) fn of(followed: &Followed, written: &Written) -> Result<(Vec<i64>, bo
 }
 
 /// Returns the earliest time of each transition up to one with a number: the least solution of a system of
-/// differences (Bellman and Ford). `None`: there is no solution.
+/// differences (Bellman and Ford). `None`: no times fit.
 fn earliest(followed: &Followed, last: usize) -> Result<Option<Vec<i64>>, Error> {
     // Transitions at one moment share a time.
     let mut moments = vec![0];

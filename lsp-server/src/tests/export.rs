@@ -72,7 +72,7 @@ async fn every_format_has_its_files() {
         }
     }
     let error = client.request("dotgen/exportModel", asked(&uri, "spin")).await;
-    assert_eq!(error.expect_err("there is no such format")["code"], -32602);
+    assert_eq!(error.expect_err("the format is unknown")["code"], -32602);
     client.finish().await;
 }
 

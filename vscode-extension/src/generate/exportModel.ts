@@ -27,7 +27,14 @@ export async function exportModel(server: Server, review: Review): Promise<void>
   const title = `Export: ${picked?.label}`;
   const options = { location: vscode.ProgressLocation.Notification, title, cancellable: true };
   const textDocument = client.code2ProtocolConverter.asTextDocumentIdentifier(document);
-  const answer = await vscode.window.withProgress(options, (_, token) => client.sendRequest(request, { textDocument, format: picked?.format ?? '' }, token));
+  const answer = await vscode.window.withProgress(options, async (_, token) => {
+    try {
+      return await client.sendRequest(request, { textDocument, format: picked?.format ?? '' }, token);
+    } catch (error) {
+      if (token.isCancellationRequested) return null;
+      throw error;
+    }
+  });
   if (answer === null) return;
   if ('refusals' in answer) return showRefusals(title, answer.refusals);
   const { files } = answer;

@@ -56,7 +56,7 @@ enum FormatName {
 #[serde(rename_all = "camelCase")]
 pub(crate) enum ExportResult {
     Files(Vec<ModelFile>),
-    /// The reasons why there is no model: errors, and everything that the model cannot contain.
+    /// The reasons against a model: errors, and everything that the model cannot contain.
     Refusals(Vec<RefusalResult>),
 }
 
@@ -81,7 +81,7 @@ pub(crate) struct ModelInput {
     texts: FxHashMap<Utf8PathBuf, (Uri, Arc<Lines>)>,
 }
 
-/// A reason why there is no model, with its place.
+/// A reason against a model, with its place.
 type Reason = (String, Utf8PathBuf, Range<usize>);
 
 /// Finds the system of a document; none in other languages.
