@@ -205,20 +205,26 @@ export async function openWindow({ browser, server, workspace, isEmpty = false, 
     },
     /** Opens the quick input with a key. */
     quick: (key) => wb.press(key, page.locator('.quick-input-widget input.input').first()),
-    /** Runs a command of the palette, which drops what is typed while it is still being filled: then it is opened again. */
-    async command(title) {
-      const row = page.locator('.quick-input-list .monaco-list-row', { hasText: title }).first();
+    /**
+     * Opens the quick input with a key, writes `text` and calls `choose` with the input: all of it again if that fails. The
+     * input closes when something that was opened before takes the focus, and drops what is typed while it is being filled.
+     */
+    async choosing(key, text, choose) {
       for (let attempt = 0; ; attempt++) {
         try {
-          const input = await wb.quick('F1');
-          await input.fill('>' + title);
-          await row.waitFor({ timeout: LOST_MS });
-          return await row.click();
+          const input = await wb.quick(key);
+          await input.fill(text, { timeout: LOST_MS });
+          return await choose(input);
         } catch (error) {
           if (attempt === 4) throw error;
           await page.keyboard.press('Escape');
         }
       }
+    },
+    /** Runs a command of the palette. */
+    command(title) {
+      const row = page.locator('.quick-input-list .monaco-list-row', { hasText: title }).first();
+      return wb.choosing('F1', '>' + title, () => row.click({ timeout: LOST_MS }));
     },
     /**
      * Chooses a file of the workspace in the dialog that asks for one (`files.simpleDialog.enable`). The dialog shows its
@@ -233,12 +239,13 @@ export async function openWindow({ browser, server, workspace, isEmpty = false, 
       await input.waitFor({ state: 'hidden' });
     },
     async open(name) {
-      const input = await wb.quick('Control+P');
-      await input.fill(name);
       // The list is filled twice (recent files, then the search): accept once the first row is the one wanted.
-      await page.locator('.quick-input-list .monaco-list-row.focused', { hasText: name }).first().waitFor();
-      await page.keyboard.press('Enter');
-      await page.locator(`.tab.active[data-resource-name="${name}"]`).first().waitFor();
+      const row = page.locator('.quick-input-list .monaco-list-row.focused', { hasText: name }).first();
+      await wb.choosing('Control+P', name, async (input) => {
+        await row.waitFor({ timeout: LOST_MS });
+        await input.press('Enter', { timeout: LOST_MS });
+        await page.locator(`.tab.active[data-resource-name="${name}"]`).first().waitFor({ timeout: LOST_MS });
+      });
       await page.locator('.monaco-editor .view-line').first().waitFor();
     },
     /** Puts the cursor at the end of the first line of `name` (the active file) that holds `text` on disk. */
@@ -246,11 +253,11 @@ export async function openWindow({ browser, server, workspace, isEmpty = false, 
       const lines = readFileSync(join(folder, name), 'utf8').split('\n');
       const number = lines.findIndex((line) => line.includes(text)) + 1;
       if (number === 0) throw new Error(`no line with "${text}" in ${name}`);
-      const input = await wb.quick('Control+G');
-      await input.fill(`:${number}`);
-      await page.keyboard.press('Enter');
-      await input.waitFor({ state: 'hidden' });
-      await page.locator('.monaco-editor .line-numbers.active-line-number', { hasText: new RegExp(`^${number}$`) }).waitFor();
+      await wb.choosing('Control+G', `:${number}`, async (input) => {
+        await input.press('Enter', { timeout: LOST_MS });
+        await input.waitFor({ state: 'hidden', timeout: LOST_MS });
+        await page.locator('.monaco-editor .line-numbers.active-line-number', { hasText: new RegExp(`^${number}$`) }).waitFor({ timeout: LOST_MS });
+      });
       await page.keyboard.press('End');
     },
     /** Shows the hover of `word` in the line that holds `text`. A move while the editor still scrolls is lost: repeat. */
