@@ -8,7 +8,6 @@ pub(crate) mod client;
 mod codels;
 mod competitors;
 mod endurance;
-mod fischer;
 mod flight;
 mod growth;
 pub(crate) mod measure;

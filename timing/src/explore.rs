@@ -4,8 +4,7 @@
 //! time stamps and the same order of actions (section 12 of the timed semantics). States are visited in order
 //! of absolute time, one *layer* per moment. Within a layer all orders of simultaneous actions are followed.
 //! States in which nothing urgent remains become *nodes*. They are merged and compared with all earlier nodes
-//! (see `explore::store`), and jump to their next moment. If no task is periodic and some time is long, zones
-//! are tried as well (see `search::zones`).
+//! (see `explore::store`), and jump to their next moment.
 
 mod chain_spans;
 mod continued;
@@ -39,10 +38,7 @@ pub use never_observed::{NeverObserved, TaskWithoutJob};
 pub use reductions::{Activity, Kind, Kinds, Reason};
 pub use rules::{Action, IdleTurn, Moment, MomentKind, Work};
 pub use run::{Run, SystemRun};
-pub use search::{
-    Walked, ZoneFindings, bytes_of_walks, explore, explore_with_reports, search_once, search_zones,
-    walk,
-};
+pub use search::{Walked, bytes_of_walks, explore, explore_with_reports, search_once, walk};
 pub use spans::{ChainSpans, Span, Spent};
 pub use stepper::{Possible, Seen, Stepper, Watched};
 pub use token::is_exact;

@@ -111,17 +111,17 @@ mod tests {
         let mut all = ReductionUse::default();
         all.add(&[
             activity(Kind::SleepSets, Some(Reason::Clients)),
-            activity(Kind::Symmetry, None),
+            activity(Kind::RestingLoops, None),
             activity(Kind::Deferral, None),
         ]);
         all.add(&[
             activity(Kind::SleepSets, Some(Reason::Clients)),
-            activity(Kind::Symmetry, None),
+            activity(Kind::RestingLoops, None),
             activity(Kind::Deferral, Some(Reason::SwitchedOff)),
         ]);
         let lines = [
             ("sleep-sets", "not used: there are clients"),
-            ("symmetry", "used"),
+            ("resting-loops", "used"),
             ("deferral", "used in 1 of 2 explorations; not used in 1 of 2: switched off"),
         ];
         assert_eq!(all.lines(), lines.map(|(name, line)| (name, line.to_owned())));

@@ -417,9 +417,8 @@ impl Group<'_> {
                 What::Schedulable(_) => found.missed[place].is_some(),
                 What::NoOverdue(_) => found.overdue[place].is_some(),
                 What::Always(_) | What::Reachable(_) | What::Pattern(_) => {
-                    found.reached[place].is_some() || found.never[place]
+                    found.reached[place].is_some()
                 }
-                What::Deadlock => found.no_deadlock,
                 _ => continue,
             };
             if seen && report.is_open(i) {

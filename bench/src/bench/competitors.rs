@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 
-use super::fischer::{self, Times};
 use super::measure::{Job, Measurement, alternate, announce};
 use super::periodic::{self, PERIODS, Task};
 use super::{SECONDS, show};
@@ -199,14 +198,6 @@ pub(crate) fn competitors(dotgen: &Path, runs: usize, sets: u64) -> Result<bool>
         std::fs::write(root().join("docs/charts/competitors.svg"), chart.svg())?;
         step("Drew docs/charts/competitors.svg");
     }
-    agreed &= fischer_agreement(&competitors)?;
-    for (scale, more) in [(1, 1), (1, 0), (10, 1), (10, 0), (100, 1)] {
-        let times = Times { within: scale, wait: scale + more, section: 2 * scale };
-        step(&format!("Mutual exclusion by time alone: {times:?}, in ms"));
-        let question = |n| fischer_question(n, times);
-        let most = if scale == 1 { 7 } else { 6 };
-        agreed &= table(&competitors, runs, "processes", 2..=most, question, &mut [])?;
-    }
     Ok(agreed)
 }
 
@@ -229,46 +220,6 @@ pub(super) fn spread(n: usize) -> Vec<Task> {
         wcet: (period * 3 / (4 * n as u64)).clamp(1, 6),
     });
     tasks.collect()
-}
-
-fn fischer_question(n: usize, times: Times) -> Result<Question> {
-    let (genom, scenario) = fischer::dotgen(n, times);
-    let files = [
-        ("fischer.gen", &*genom),
-        ("scenario.scn", &*scenario),
-        ("model.tck", &*fischer::tchecker(n, times)),
-    ];
-    let Times { within, wait, .. } = times;
-    Question::write(&format!("fischer{n}-{within}-{wait}"), &files, "both")
-}
-
-/// Two and three processes with short times, and with long ones in about the same proportions: the verdicts
-/// must be equal.
-fn fischer_agreement(competitors: &Competitors) -> Result<bool> {
-    step("Mutual exclusion by time alone, all times from 1 to 3 ms, and ten times as long");
-    let mut agreed = true;
-    let mut hold = 0;
-    let few = || 1..=3;
-    let kinds = [(2, 1), (3, 1), (2, 10), (3, 10)];
-    for ((n, scale), within) in kinds.into_iter().flat_map(|kind| few().map(move |w| (kind, w))) {
-        for (wait, section) in few().flat_map(|wait| few().map(move |number| (wait, number))) {
-            let times = Times {
-                within: scale * within,
-                // Not every time is a multiple of the scale; otherwise the scale would be the unit.
-                wait: scale * wait + u32::from(scale > 1 && wait >= within),
-                section: scale * section,
-            };
-            let [dotgen, tchecker, _] = fischer_question(n, times)?.ask(competitors, 1)?;
-            let dotgen = dotgen.context("dotgen gave up")?.holds;
-            hold += u32::from(dotgen);
-            if let Some(tchecker) = tchecker.filter(|tchecker| tchecker.holds != dotgen) {
-                agreed = false;
-                println!("{n}, {times:?}: dotgen {dotgen}, TChecker {}", tchecker.holds);
-            }
-        }
-    }
-    println!("108 systems, {hold} of them exclusive; all agree: {agreed}");
-    Ok(agreed)
 }
 
 /// Random sets: equal verdicts, and equal responses if all deadlines are met.

@@ -7,7 +7,6 @@ use std::process::Command;
 use anyhow::{Context, Result};
 use serde_json::Value;
 
-use super::fischer::{self, Times};
 use super::measure::{Job, Measurement, alternate, announce};
 use super::{competitors, periodic, show};
 use xtask::run::step;
@@ -49,7 +48,6 @@ fn subjects() -> Result<Vec<Subject>> {
         scenario: optional(&format!("corpus/{path}")).unwrap_or_default(),
         options: options.to_vec(),
     };
-    let times = |within, wait, section| Times { within, wait, section };
     let written = |name, folder: &str, files: [(&str, String); 2]| -> Result<Subject> {
         let directory = target().join("reductions").join(folder);
         std::fs::create_dir_all(&directory)?;
@@ -61,10 +59,6 @@ fn subjects() -> Result<Vec<Subject>> {
     let periodic = |n| {
         let (genom, scenario) = periodic::dotgen(&competitors::spread(n), true);
         [("periodic.gen", genom), ("scenario.scn", scenario)]
-    };
-    let fischer = |n, times| {
-        let (genom, scenario) = fischer::dotgen(n, times);
-        [("fischer.gen", genom), ("scenario.scn", scenario)]
     };
     Ok(vec![
         published(
@@ -88,12 +82,6 @@ fn subjects() -> Result<Vec<Subject>> {
             &["--cores", "5", "--durations", "interval"],
         ),
         written("6 periodic tasks", "periodic", periodic(6))?,
-        written("Fischer, 4 processes, short times", "fischer", fischer(4, times(1, 2, 2)))?,
-        written(
-            "Fischer, 4 processes, long times",
-            "fischer-long",
-            fischer(4, times(100, 101, 200)),
-        )?,
     ])
 }
 

@@ -48,14 +48,10 @@ pub struct Findings {
     pub reached: Vec<Option<Found>>,
     /// Least bounds; `None` if the first predicate never became true.
     pub within: Vec<Option<Measured>>,
-    /// Predicates that are certainly never reached, even if the exploration was stopped.
-    pub never: Vec<bool>,
     /// Jobs and atoms that no examined state has.
     pub absent: NeverObserved,
     /// Run to a deadlock.
     pub deadlock: Option<Found>,
-    /// There is certainly no deadlock, even if the exploration was stopped.
-    pub no_deadlock: bool,
     /// Services with a request that was refused because no slot was free.
     pub refused: Vec<ServiceId>,
     /// Services that interrupt themselves, if two waiting instances interrupted each other.

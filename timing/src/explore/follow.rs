@@ -56,7 +56,6 @@ pub(crate) fn follow(
         missed: watch.schedulable.iter().map(|_| found()).collect(),
         overdue: watch.overdue.iter().map(|_| found()).collect(),
         reached: watch.reach.iter().map(|_| found()).collect(),
-        never: vec![false; watch.reach.len()],
         response: watch.response.iter().map(|response| measured(response.limit)).collect(),
         within: watch.within.iter().map(|within| measured(within.limit)).collect(),
         deadlock: watch.deadlock.then(found).flatten(),

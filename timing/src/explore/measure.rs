@@ -24,14 +24,6 @@ impl Timing {
         }
     }
 
-    /// Returns the task, for a response time.
-    pub(super) fn task(self) -> Option<usize> {
-        match self {
-            Timing::Response(task) => Some(task),
-            Timing::Within(_) => None,
-        }
-    }
-
     /// Returns the number of obligations as old as the measured one, including that one. If the number
     /// decreases, another obligation may have replaced the measured one. It never increases.
     fn as_old(self, l: &Frame, s: &State) -> usize {

@@ -1,18 +1,16 @@
 //! Jobs and atoms that occur in no run of a system: a proof about them is vacuous.
 
-use super::reductions::Orbits;
 use super::rules::Rules;
 use super::state::{State, TaskStatus};
 use super::watch::Watch;
-use crate::property::{Atom, Predicate};
+use crate::property::Atom;
 use crate::system::TaskId;
 
 /// The tasks without a job, and the atoms that never hold, among the subjects of a [`Watch`].
 #[derive(Debug, Clone, Default)]
 pub struct NeverObserved {
     jobs: Vec<TaskWithoutJob>,
-    /// Each atom, and the atoms into which exchanges of symmetric parts turn it.
-    atoms: Vec<(Atom, Vec<Atom>)>,
+    atoms: Vec<Atom>,
 }
 
 /// A task without any released job.
@@ -25,7 +23,7 @@ pub struct TaskWithoutJob {
 
 impl NeverObserved {
     /// Returns all subjects, before any state is known.
-    pub(super) fn of(watch: &Watch, orbits: &Orbits) -> NeverObserved {
+    pub(super) fn of(watch: &Watch) -> NeverObserved {
         let responses = watch.response.iter().map(|response| &response.task);
         let tasks = watch.schedulable.iter().chain(&watch.overdue);
         let mut jobs: Vec<TaskWithoutJob> = Vec::new();
@@ -36,35 +34,26 @@ impl NeverObserved {
             }
         }
         let monitored = watch.monitors.iter().flat_map(|monitor| &monitor.predicates);
-        let predicates: Vec<Predicate> = watch.reach.iter().chain(monitored).cloned().collect();
-        NeverObserved { jobs, ..NeverObserved::of_predicates(&predicates, orbits) }
-    }
-
-    /// Returns the atoms of predicates.
-    pub(super) fn of_predicates(predicates: &[Predicate], orbits: &Orbits) -> NeverObserved {
-        let mut out = NeverObserved::default();
-        for predicate in predicates {
+        let mut atoms = Vec::new();
+        for predicate in watch.reach.iter().chain(monitored) {
             predicate.atoms(&mut |atom| {
-                if out.atoms.iter().all(|candidate| candidate.0 != *atom) {
-                    out.atoms.push((atom.clone(), orbits.of_atom(atom)));
+                if !atoms.contains(atom) {
+                    atoms.push(atom.clone());
                 }
             });
         }
-        out
+        NeverObserved { jobs, atoms }
     }
 
     /// Removes the subjects that occur in a state.
-    pub(super) fn look<R: Rules>(&mut self, rules: &R, s: &State, orbits: &Orbits) {
-        let has_job = |&task: &usize| rules.job(s, task) != TaskStatus::Idle;
-        self.jobs.retain(|job| !orbits.of_task(usize::from(job.task)).iter().any(has_job));
+    pub(super) fn look<R: Rules>(&mut self, rules: &R, s: &State) {
+        self.jobs.retain(|job| rules.job(s, usize::from(job.task)) == TaskStatus::Idle);
         for job in &mut self.jobs {
             let now = rules.awaits_start_up(s, job.task);
             // Tasks are started in order, so the later one counts.
             job.start_up = job.start_up.zip(now).map(|(one, other)| one.max(other));
         }
-        self.atoms.retain(|(atom, alike)| {
-            !rules.atom(s, atom) && !alike.iter().any(|atom| rules.atom(s, atom))
-        });
+        self.atoms.retain(|atom| !rules.atom(s, atom));
     }
 
     /// Returns the reason why a task has no job; `None` if the task has a job.
@@ -74,6 +63,6 @@ impl NeverObserved {
 
     /// Returns true if an atom never holds.
     pub fn has(&self, atom: &Atom) -> bool {
-        self.atoms.iter().any(|candidate| candidate.0 == *atom)
+        self.atoms.contains(atom)
     }
 }

@@ -1,9 +1,8 @@
 //! Reductions: actions that need not be followed, and states that need not be kept.
 //!
-//! Strategies use reductions at five places: to select the enabled actions to follow
-//! ([`Reductions::persistent`], [`Reductions::follow`]), to find the ends that can be postponed
-//! ([`Reductions::waiters`], [`Reductions::closure`]), and to select a representative of symmetric states
-//! ([`Reductions::order`]).
+//! Strategies use reductions to select the enabled actions to follow ([`Reductions::persistent`],
+//! [`Reductions::follow`]), and to find the ends that can be postponed
+//! ([`Reductions::waiters`], [`Reductions::closure`]).
 //!
 //! Each reduction is one type with the trait [`Reduction`]. It applies to a system, the points of its
 //! semantics and its watched properties, or gives a [`Reason`] for not applying. The module of each reduction
@@ -16,13 +15,11 @@ mod deferral;
 mod facts;
 mod kind;
 mod sleep_sets;
-mod symmetry;
 
 use smallvec::SmallVec;
 
 use self::facts::Facts;
 pub use self::kind::{Activity, Kind, Kinds, Reason};
-pub(crate) use self::symmetry::{Label, Orbits, Renaming};
 use super::rules::{Action, Enabled, Rules, SystemRules};
 use super::state::State;
 use super::store::Encoded;
@@ -34,23 +31,10 @@ pub(crate) type SleepSet = u128;
 
 /// The watched properties of a system, as far as reductions must respect them.
 pub(crate) struct Watched<'a> {
-    /// Labels of tasks. Tasks with equal labels are watched in the same way.
-    pub(crate) labels: Vec<Label>,
     /// Predicates on single states.
     pub(crate) predicates: Vec<&'a Predicate>,
     /// Tasks with a clock for their response time.
     pub(crate) measured: Vec<bool>,
-}
-
-impl<'a> Watched<'a> {
-    /// Watches only some predicates.
-    pub(crate) fn only(system: &TimedSystem, predicates: Vec<&'a Predicate>) -> Self {
-        Watched {
-            labels: vec![Label::default(); system.tasks.len()],
-            predicates,
-            measured: vec![false; system.tasks.len()],
-        }
-    }
 }
 
 /// The input of a reduction's examination.
@@ -132,12 +116,6 @@ pub(crate) trait Reductions<R: Rules>: Sized {
     /// not be kept. Subtracts the number of examined states from the budget.
     fn closure(&self, rules: &R, s: &State, budget: &mut usize, found: impl FnMut(&Encoded));
 
-    /// Puts symmetric parts of a state in order. Returns `None` if they already are.
-    fn order(&self, rules: &R, s: &mut State) -> Option<Renaming>;
-
-    /// Returns the symmetric parts.
-    fn orbits(&self) -> &Orbits;
-
     /// Returns the time until the next moment to examine after a calm state, in base units. `None`: never.
     fn next_moment(&self, rules: &R, s: &State) -> Option<Ticks> {
         let waiters = self.waiters(rules, s);
@@ -178,24 +156,17 @@ pub(crate) trait Reduced: Rules {
 
 /// No reductions, for searches that follow data: nothing is left out.
 #[derive(Debug)]
-pub(crate) struct NoReductions(Orbits, Vec<Activity>);
+pub(crate) struct NoReductions(Vec<Activity>);
 
 impl<R: Rules> Reductions<R> for NoReductions {
-    fn new(rules: &R, _: &Watched, _: Kinds) -> Self {
+    fn new(_: &R, _: &Watched, _: Kinds) -> Self {
         let off = |kind| Activity { kind, off: Some(Reason::Chain) };
-        let kinds = [
-            Kind::PersistentSets,
-            Kind::PersistentRequests,
-            Kind::SleepSets,
-            Kind::Deferral,
-            Kind::RestingLoops,
-            Kind::Symmetry,
-        ];
-        NoReductions(Orbits::none(rules), kinds.into_iter().map(off).collect())
+        let kinds = [Kind::PersistentSets, Kind::SleepSets, Kind::Deferral, Kind::RestingLoops];
+        NoReductions(kinds.into_iter().map(off).collect())
     }
 
     fn activities(&self) -> &[Activity] {
-        &self.1
+        &self.0
     }
 
     fn persistent(&self, _: &R, _: &State, enabled: &Enabled, out: &mut Vec<Action>) {
@@ -223,12 +194,4 @@ impl<R: Rules> Reductions<R> for NoReductions {
     }
 
     fn closure(&self, _: &R, _: &State, _: &mut usize, _: impl FnMut(&Encoded)) {}
-
-    fn order(&self, _: &R, _: &mut State) -> Option<Renaming> {
-        None
-    }
-
-    fn orbits(&self) -> &Orbits {
-        &self.0
-    }
 }

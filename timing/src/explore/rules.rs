@@ -39,13 +39,13 @@
 //! there is a job, and is set to 0 at the end of the job. A waiting job gets its core by the action
 //! [`Action::Grant`].
 //!
-//! **Without periodic tasks** times of the key are always 0 (zones ignore them).
+//! **Without periodic tasks** times of the key are always 0.
 //!
 //! # Adding a reading of a point
 //!
 //! 1. A value of the point in `points`, and a keyword in [`crate::scn::semantics`].
 //! 2. The code where the readings differ names the point. Actions that it needs are variants of [`Action`],
-//!    with their lines in [`Action::renamed`](super::reductions::Renaming::action) and [`Rules::task_of`].
+//!    with their lines in [`Rules::task_of`].
 //! 3. Each reduction: sound for the reading, with its proof, or off with the reason
 //!    ([`Reduction::applies`](super::reductions::Reduction::applies)).
 
@@ -53,7 +53,6 @@ mod atoms;
 mod control_task;
 mod cores;
 mod describe;
-mod exchange;
 mod idle;
 mod jobs;
 pub(crate) mod layout;
@@ -69,7 +68,6 @@ mod system_rules;
 mod time;
 mod work;
 
-pub(crate) use self::exchange::{Names, Part, Parts, UnitPlaces};
 pub use self::moment::{Moment, MomentKind};
 pub(crate) use self::system_rules::SystemRules;
 pub use self::work::{IdleTurn, Work};

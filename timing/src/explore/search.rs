@@ -2,8 +2,8 @@
 //!
 //! [`goals`] lists what is searched for. [`observations`] performs single steps and records what they show.
 //! [`layers`] proceed from moment to moment, keep a [`graph`] and reconstruct runs. [`mod@depth_first`]
-//! proceeds depth first, in random orders. [`zones`] search in dense time. The [`control`] divides the effort
-//! between these strategies and ends the exploration.
+//! proceeds depth first, in random orders. The [`control`] divides the effort between these strategies and
+//! ends the exploration.
 
 mod control;
 mod depth_first;
@@ -12,13 +12,11 @@ mod graph;
 mod layers;
 mod observations;
 mod walks;
-mod zones;
 
 use self::control::{CarryOver, FindingsReceiver, SearchControl};
 pub use self::depth_first::search_once;
 use self::layers::Layers;
 pub use self::walks::{Walked, bytes_of_walks, walk};
-pub use self::zones::{ZoneFindings, search_zones};
 use super::findings::Findings;
 use super::measure::{Gauge, MeasurementMode, Timing};
 use super::reductions::Reduced;
@@ -88,7 +86,7 @@ fn until_measured<R: Reduced>(
     cancel: &Cancel,
     news: FindingsReceiver,
 ) -> Findings {
-    let mut carry_over = CarryOver::none(rules, watch, limits);
+    let mut carry_over = CarryOver::none(watch, limits);
     loop {
         let mut layers = Layers::new(rules, watch, gauges, limits, cancel);
         let mut control = SearchControl::new(carry_over, &mut *news);
@@ -98,8 +96,6 @@ fn until_measured<R: Reduced>(
             return control.findings(&layers);
         };
         carry_over = control.into_carry_over(&layers);
-        for divergence in layers.of_all_alike(&diverging) {
-            gauges[divergence.gauge].note(divergence);
-        }
+        gauges[diverging.gauge].note(diverging);
     }
 }

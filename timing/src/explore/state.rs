@@ -218,18 +218,6 @@ impl Frame {
         self.executors
     }
 
-    /// Returns the place of an executor's phase in the discrete part.
-    #[inline]
-    pub(crate) fn phase_place(&self, executor: usize) -> usize {
-        self.phase_base + executor
-    }
-
-    /// Returns the place of the lower bound of an executor's window in the times; the upper bound follows.
-    #[inline]
-    pub(crate) fn window_place(&self, executor: usize) -> usize {
-        self.window_base + 2 * executor
-    }
-
     /// Returns the phase of an executor, see [`phase`].
     #[inline]
     pub(crate) fn phase(&self, s: &State, executor: usize) -> u16 {

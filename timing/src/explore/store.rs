@@ -305,13 +305,6 @@ impl Store {
         Some(k)
     }
 
-    /// Returns true if one of the covers contains a state.
-    pub(crate) fn holds(&self, encoding: &Encoded) -> bool {
-        let windows = (encoding.dims.len() - self.clocks) / 2;
-        let shape = Shape { windows, covering: self.covering };
-        self.find(&encoding.key).any(|(dims, _)| shape.covers(dims, &encoding.dims))
-    }
-
     /// Returns the covers of the key with these bytes.
     pub(crate) fn find(&self, key: &[u8]) -> impl Iterator<Item = (&[Ticks], u32)> {
         let hash = hash(key);

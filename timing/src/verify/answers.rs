@@ -110,13 +110,8 @@ impl Group<'_> {
         match check.what {
             What::Schedulable(_) => absent(&found.missed[place], &mut out),
             What::NoOverdue(_) => absent(&found.overdue[place], &mut out),
-            What::Always(_) | What::Pattern(_) if found.never[place] => {
-                out.verdict = Verdict::Proved;
-            }
             What::Always(_) | What::Pattern(_) => absent(&found.reached[place], &mut out),
-            What::Deadlock if found.no_deadlock => out.verdict = Verdict::Proved,
             What::Deadlock => absent(&found.deadlock, &mut out),
-            What::Reachable(_) if found.never[place] => out.verdict = Verdict::Refuted,
             What::Reachable(_) => match &found.reached[place] {
                 Some(found) if out.rounded => self.candidate(&found.run, &mut out),
                 Some(found) => {

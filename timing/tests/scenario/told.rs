@@ -171,7 +171,7 @@ fn what_is_seen_in_an_exploration_is_told_while_it_goes_on() {
 
 #[test]
 fn what_was_caught_beside_an_exploration_is_told_while_it_goes_on() {
-    let (unit, text) = beside::too_short_a_wait(7);
+    let (unit, text) = beside::too_short_a_wait(5);
     let input = SystemInput { specs: vec![&unit.spec] };
     let holds = "check always not (f.claim1.cs and f.claim1.void); check always";
     let text = text.replace("check always", holds);

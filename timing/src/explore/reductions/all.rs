@@ -5,7 +5,6 @@ use super::components::Components;
 use super::deferral::Deferral;
 use super::facts::Facts;
 use super::sleep_sets::{Now, Overtake};
-use super::symmetry::{Orbits, Renaming, Symmetry};
 use super::{
     Activity, Deferrable, Kind, Kinds, Reason, Reduced, Reduction, Reductions, Setting, SleepSet,
     Watched,
@@ -22,16 +21,13 @@ pub(crate) struct AllReductions {
     persistent: Option<PersistentSets>,
     overtake: Option<Overtake>,
     deferral: Option<Deferral>,
-    symmetry: Option<Symmetry>,
-    /// Orbits without symmetry.
-    alone: Orbits,
     activities: Vec<Activity>,
 }
 
 /// Persistent sets: within jobs, or of components that are independent at a moment.
 #[derive(Debug)]
 enum PersistentSets {
-    Ample(Ample),
+    Ample,
     Components(Components),
 }
 
@@ -45,31 +41,16 @@ impl Reductions<SystemRules<'_>> for AllReductions {
         let setting = Setting { rules, asked, facts: &facts, without };
         let mut notes = Vec::new();
         let persistent = match rules.points.cycle {
-            Cycle::Jobs => Ample::examine(&setting, &mut notes).map(PersistentSets::Ample),
+            Cycle::Jobs => Ample::examine(&setting, &mut notes).map(|Ample| PersistentSets::Ample),
             Cycle::Passes => {
                 Components::examine(&setting, &mut notes).map(PersistentSets::Components)
             }
         };
-        let requests = match &persistent {
-            Some(PersistentSets::Ample(ample)) => Some(ample.without_requests()),
-            _ if rules.points.cycle == Cycle::Passes => Some(Some(Reason::OneQueue)),
-            _ => None,
-        };
-        notes.push(part(Kind::PersistentRequests, requests, Kind::PersistentSets));
         let overtake = Overtake::examine(&setting, &mut notes);
         let deferral = Deferral::examine(&setting, &mut notes);
         let resting = deferral.as_ref().map(|deferral| deferral.without_rest(&setting));
         notes.push(part(Kind::RestingLoops, resting, Kind::Deferral));
-        let symmetry = Symmetry::examine(&setting, &mut notes);
-        AllReductions {
-            alone: Orbits::none(rules),
-            persistent,
-            overtake,
-            deferral,
-            symmetry,
-            facts,
-            activities: notes,
-        }
+        AllReductions { persistent, overtake, deferral, facts, activities: notes }
     }
 
     fn activities(&self) -> &[Activity] {
@@ -78,8 +59,8 @@ impl Reductions<SystemRules<'_>> for AllReductions {
 
     fn persistent(&self, rules: &SystemRules, s: &State, enabled: &Enabled, out: &mut Vec<Action>) {
         match &self.persistent {
-            Some(PersistentSets::Ample(ample)) => {
-                ample.select((rules, &self.facts), s, enabled, out);
+            Some(PersistentSets::Ample) => {
+                Ample::select((rules, &self.facts), s, enabled, out);
             }
             Some(PersistentSets::Components(components)) => {
                 components.select(rules, s, enabled, out);
@@ -139,14 +120,6 @@ impl Reductions<SystemRules<'_>> for AllReductions {
         if let Some(deferral) = &self.deferral {
             deferral.closure(rules, s, budget, found);
         }
-    }
-
-    fn order(&self, rules: &SystemRules, s: &mut State) -> Option<Renaming> {
-        self.symmetry.as_ref()?.order(rules, s)
-    }
-
-    fn orbits(&self) -> &Orbits {
-        self.symmetry.as_ref().map_or(&self.alone, Symmetry::orbits)
     }
 }
 

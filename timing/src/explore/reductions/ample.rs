@@ -26,14 +26,9 @@
 //! * **Acquisitions** of codels that exclude each other, if no other executor can want any of their locks at
 //!   this moment.
 //!
-//! Clients and activities have ample sets of their own, see [`requests`].
-//!
 //! With locks in order of arrival there are no ample sets, because every request for a lock counts. With
 //! passes there are none inside a component, see [`super::components`].
 
-mod requests;
-
-use self::requests::Requests;
 use super::facts::{Facts, Owner};
 use super::{Kind, Reason, Reduction, Setting};
 use crate::explore::rules::layout::Layout;
@@ -46,9 +41,7 @@ use crate::system::{CodelId, Policy, TaskId, TimedSystem, Yield};
 
 /// The ample sets of systems with jobs.
 #[derive(Debug)]
-pub(crate) struct Ample {
-    requests: Requests,
-}
+pub(crate) struct Ample;
 
 impl Reduction for Ample {
     const KIND: Kind = Kind::PersistentSets;
@@ -60,19 +53,13 @@ impl Reduction for Ample {
         if setting.system().platform.semantics.locks != LockRule::Free {
             return Err(Reason::LocksInOrder);
         }
-        Ok(Ample { requests: Requests::new(setting) })
+        Ok(Ample)
     }
 }
 
 impl Ample {
-    /// Returns the reason why requests have no ample sets of their own.
-    pub(super) fn without_requests(&self) -> Option<Reason> {
-        self.requests.off
-    }
-
     /// Writes an ample set of a state to `out`, or all enabled actions.
     pub(crate) fn select(
-        &self,
         (rules, facts): (&SystemRules, &Facts),
         s: &State,
         enabled: &Enabled,
@@ -80,7 +67,7 @@ impl Ample {
     ) {
         out.clear();
         if !enabled.committed && enabled.actions.len() > 1 {
-            let moment = AmpleState { ample: self, facts, rules, s, enabled };
+            let moment = AmpleState { facts, rules, s, enabled };
             if moment.select(out) {
                 return;
             }
@@ -92,7 +79,6 @@ impl Ample {
 
 /// One state, with the actions that can happen in it before time passes.
 struct AmpleState<'m, 's> {
-    ample: &'m Ample,
     facts: &'m Facts,
     rules: &'m SystemRules<'s>,
     s: &'m State,
@@ -108,21 +94,8 @@ impl AmpleState<'_, '_> {
                     out.push(action);
                     return true;
                 }
-                Action::Finish { executor, .. }
-                    if self.end_alone(executor)
-                        || self.activity_end_alone(executor)
-                        || self.control_end_alone(executor)
-                        || self.delay_alone(executor) =>
-                {
-                    self.with_outcomes(action, out);
-                    return true;
-                }
-                Action::Request { client, .. } if self.request_alone(client) => {
-                    self.with_outcomes(action, out);
-                    return true;
-                }
-                Action::Signal { component } if self.report_alone(component) => {
-                    out.push(action);
+                Action::Finish { executor, .. } if self.end_alone(executor) => {
+                    self.with_outcomes(executor, out);
                     return true;
                 }
                 _ => {}
@@ -300,14 +273,7 @@ impl AmpleState<'_, '_> {
             for other in self.system().codels[codel].conflicts.iter() {
                 let rival = match self.facts.owner[other] {
                     Owner::Nobody => continue,
-                    Owner::Control => {
-                        let component = self.system().codels[other].component;
-                        let own = executor == self.layout().control_executor(component);
-                        if !own && self.control_may_want(component, codel) {
-                            return false;
-                        }
-                        continue;
-                    }
+                    Owner::Control => return false,
                     Owner::Task(rival) => rival,
                 };
                 if members.iter().any(|&member| self.runs(member, rival)) {
@@ -339,8 +305,43 @@ impl AmpleState<'_, '_> {
                 self.settled(usize::from(automaton.task))
                     && !self.facts.visible.tasks[usize::from(automaton.task)]
             }
-            _ => self.may_acquire_for_request(executor),
+            _ => false,
         }
+    }
+
+    /// Writes an end with all its outcomes.
+    fn with_outcomes(&self, end: usize, out: &mut Vec<Action>) {
+        out.extend(
+            self.enabled.actions.iter().filter(
+                |other| matches!(**other, Action::Finish { executor, .. } if executor == end),
+            ),
+        );
+    }
+
+    /// Returns true if a task with activities may want a lock of a codel at this moment.
+    fn task_may_want(&self, task: usize, codel: CodelId) -> bool {
+        let l = self.layout();
+        let system = self.system();
+        let definition = &system.tasks[TaskId::from(task)];
+        let automata = || definition.permanent.iter().chain(&definition.slots).copied();
+        let separate = system.platform.async_free
+            && automata().any(|a| system.machine_of(a).states.iter().any(|state| state.is_async));
+        let settled = self.started_up(task);
+        // While a task executes a codel that does not end yet, no other action of the task is possible.
+        let executes = (l.turn(self.s, task))
+            .is_some_and(|a| l.phase(self.s, a) == phase::EXECUTING && l.window(self.s, a).0 > 0);
+        let rests = l.status(self.s, task) == TaskStatus::Idle
+            && definition.period.is_some()
+            && !self.due(task)
+            && !l.pending(self.s, task);
+        if !separate && settled && (executes || rests) {
+            return false;
+        }
+        let conflicts = &system.codels[codel].conflicts;
+        automata().any(|a| {
+            let mut states = system.machine_of(a).states.iter();
+            states.any(|state| conflicts.contains(state.codel))
+        })
     }
 
     /// Returns how a task can want a lock of `codel` at this moment.

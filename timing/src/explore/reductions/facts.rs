@@ -4,10 +4,7 @@ use typed_index_collections::{TiVec, ti_vec};
 
 use super::Watched;
 use crate::property::Atom;
-use crate::system::{
-    AutomatonId, ClientId, CodelId, CodelSet, ComponentId, Machine, MachineId, ServiceId, TaskId,
-    TimedSystem, Yield,
-};
+use crate::system::{AutomatonId, CodelId, CodelSet, Machine, TaskId, TimedSystem, Yield};
 
 /// The parts of a system that predicates observe.
 #[derive(Debug)]
@@ -16,23 +13,6 @@ pub(crate) struct Visible {
     pub(super) tasks: Vec<bool>,
     /// Some control task or client is observed.
     pub(super) others: bool,
-    /// Observed parts in more detail.
-    pub(super) parts: Parts,
-}
-
-/// Parts of a system.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Parts {
-    /// Tasks whose status is observed.
-    pub(super) statuses: Vec<bool>,
-    /// State machines whose state is observed.
-    pub(super) machines: TiVec<MachineId, bool>,
-    /// Services whose slots are observed.
-    pub(super) slots: TiVec<ServiceId, bool>,
-    /// Clients whose step is observed.
-    pub(super) clients: TiVec<ClientId, bool>,
-    /// Control tasks whose step is observed.
-    pub(super) controls: TiVec<ComponentId, bool>,
 }
 
 impl Visible {
@@ -43,26 +23,7 @@ impl Visible {
     ) -> Self {
         let mut tasks = vec![false; system.tasks.len()];
         let mut others = false;
-        let mut parts = Parts {
-            statuses: vec![false; system.tasks.len()],
-            machines: ti_vec![false; system.machines.len()],
-            slots: ti_vec![false; system.services.len()],
-            clients: ti_vec![false; system.clients.len()],
-            controls: ti_vec![false; system.components.len()],
-        };
         for predicate in predicates {
-            predicate.atoms(&mut |atom| match *atom {
-                Atom::Task(task, _) | Atom::Tick(task) => parts.statuses[usize::from(task)] = true,
-                Atom::State { machine, .. } => parts.machines[machine] = true,
-                Atom::Slot(service, _) => parts.slots[service] = true,
-                Atom::Client(client, _) => parts.clients[client] = true,
-                Atom::Handling { service, .. } => {
-                    parts.controls[system.services[service].component] = true;
-                }
-                Atom::ControlBusy(component) => parts.controls[component] = true,
-                // The predicates of the monitor are asked as well.
-                Atom::Data { .. } | Atom::Violated(_) => {}
-            });
             predicate.atoms(&mut |atom| match *atom {
                 Atom::Task(task, _) | Atom::Tick(task) => tasks[usize::from(task)] = true,
                 Atom::State { machine, .. } => {
@@ -82,7 +43,7 @@ impl Visible {
                 Atom::Data { .. } | Atom::Violated(_) => {}
             });
         }
-        Visible { tasks, others, parts }
+        Visible { tasks, others }
     }
 }
 

@@ -8,25 +8,17 @@ use std::fmt;
 pub enum Kind {
     /// Follow simultaneous actions that commute in one order only.
     PersistentSets,
-    /// Persistent sets for the actions of clients, activities and control tasks.
-    PersistentRequests,
     /// Follow ends before a due action only in order to overtake all that is due.
     SleepSets,
     /// Postpone ends that gain nothing by coming early to the next hard moment.
     Deferral,
     /// Treat a polling loop as resting while it polls.
     RestingLoops,
-    /// Do not distinguish symmetric parts.
-    Symmetry,
     /// Join states that differ in one window, if their ranges adjoin.
     WindowUnion,
     /// Let a state with wider windows and older clocks cover a state with narrower windows and younger
     /// clocks.
     WindowInclusion,
-    /// Keep uncalm states of dense instants, and do not follow them again at later moments.
-    MomentCovering,
-    /// Look for unreachable predicates with zones as well.
-    Zones,
     /// Look for properties of single states by randomised depth-first search as well.
     RandomSearch,
     /// Look for deadlines and bounds on response times by schedule abstraction first.
@@ -36,17 +28,13 @@ pub enum Kind {
 }
 
 impl Kind {
-    pub const ALL: [Kind; 13] = [
+    pub const ALL: [Kind; 9] = [
         Kind::PersistentSets,
-        Kind::PersistentRequests,
         Kind::SleepSets,
         Kind::Deferral,
         Kind::RestingLoops,
-        Kind::Symmetry,
         Kind::WindowUnion,
         Kind::WindowInclusion,
-        Kind::MomentCovering,
-        Kind::Zones,
         Kind::RandomSearch,
         Kind::ScheduleAbstraction,
         Kind::Invariants,
@@ -56,15 +44,11 @@ impl Kind {
     pub fn name(self) -> &'static str {
         match self {
             Kind::PersistentSets => "persistent-sets",
-            Kind::PersistentRequests => "persistent-requests",
             Kind::SleepSets => "sleep-sets",
             Kind::Deferral => "deferral",
             Kind::RestingLoops => "resting-loops",
-            Kind::Symmetry => "symmetry",
             Kind::WindowUnion => "window-union",
             Kind::WindowInclusion => "window-inclusion",
-            Kind::MomentCovering => "moment-covering",
-            Kind::Zones => "zones",
             Kind::RandomSearch => "random-search",
             Kind::ScheduleAbstraction => "schedule-abstraction",
             Kind::Invariants => "invariants",
@@ -129,32 +113,16 @@ pub enum Reason {
     Predicates,
     /// The system has clients.
     Clients,
-    /// The system has no requests.
-    NoClients,
-    /// A client can loop without time passing.
-    HastyClient,
     /// The system has more parts than the reduction has bits.
     TooMany,
     /// Some task has activities, separate threads, kept ticks or a loop of codels that take no time.
     NotPlain,
     /// No task is periodic.
     NothingPeriodic,
-    /// Some task is periodic.
-    Periodic,
-    /// Monitors are not followed in dense time.
-    Patterns,
     /// Every group of tasks has codels with a least time above 0, or is observed.
     NothingToPutOff,
     /// There is no polling loop.
     NothingRests,
-    /// No two parts are symmetric in the system and in the watched properties.
-    NothingAlike,
-    /// All times are short.
-    Short,
-    /// Some time is longer than zones can represent.
-    TooLong,
-    /// All times are fixed.
-    Fixed,
     /// No watched property is one that it could answer.
     NothingToFind,
     /// Only early events are of interest.
@@ -177,23 +145,15 @@ impl fmt::Display for Reason {
             Reason::LocksInOrder => "locks are given in order of arrival",
             Reason::Predicates => "a predicate looks at the states in between",
             Reason::Clients => "there are clients",
-            Reason::NoClients => "nothing is requested",
-            Reason::HastyClient => "a client can go round without time passing",
             Reason::TooMany => "more tasks, automata or services than it can count",
             Reason::NotPlain => {
                 "some task has activities, async codels, kept ticks or a loop that takes no time"
             }
             Reason::NothingPeriodic => "no task is periodic",
-            Reason::Periodic => "some task is periodic",
-            Reason::Patterns => "a check is a pattern",
             Reason::NothingToPutOff => {
                 "whatever could end early has a lower bound, or something is asked about it"
             }
             Reason::NothingRests => "no loop polls",
-            Reason::NothingAlike => "no two parts are alike in the system and in what is asked",
-            Reason::Short => "nothing lasts long",
-            Reason::TooLong => "something lasts longer than zones can count",
-            Reason::Fixed => "everything takes as long each time",
             Reason::NothingToFind => "nothing is asked that it could answer",
             Reason::InOrder => "only what happens early is looked for",
         })

@@ -254,12 +254,6 @@ impl Layout {
         s.d[self.client_base[client] + 2 + tracker] = value;
     }
 
-    /// Returns the trackers of a client.
-    pub(crate) fn trackers<'s>(&self, s: &'s State, client: ClientId) -> &'s [u16] {
-        let base = self.client_base[client] + 2;
-        &s.d[base..base + self.outcomes[client].len()]
-    }
-
     /// Returns the time to the next tick of a task, in base units.
     #[inline]
     pub(crate) fn timer(&self, s: &State, task: usize) -> Ticks {

@@ -2,7 +2,7 @@
 //! findings.
 //!
 //! Layers get most of the effort, and poll the search control every few steps ([`PollControl::look`]). It
-//! runs randomised search ([`random_search`]) and zones ([`zones`](super::zones)) in between.
+//! runs randomised search ([`random_search`]) in between.
 
 mod interim;
 mod random_search;
@@ -12,15 +12,12 @@ pub(super) use self::interim::FindingsReceiver;
 
 use self::interim::InterimFindings;
 use self::random_search::RandomSearch;
-use super::goals::GoalId;
 use super::layers::trace::Target;
 use super::layers::{Layers, PollControl};
-use super::zones::{self, ZoneResult, ZoneSearch};
 use crate::explore::ChainSpans;
 use crate::explore::findings::{Bound, Findings, Found, Measured};
 use crate::explore::measure::MeasurementMode;
 use crate::explore::reductions::{Activity, Kind, Reason, Reduced};
-use crate::explore::rules::Rules;
 use crate::explore::run::Run;
 use crate::explore::watch::{Limits, Stop, Watch};
 use crate::system::ServiceId;
@@ -29,11 +26,9 @@ use crate::system::ServiceId;
 const STEPS_AFTER_ANSWERS: u64 = 20_000;
 
 /// The strategies of one exploration, and the receiver of findings.
-pub(super) struct SearchControl<'a, R: Reduced> {
+pub(super) struct SearchControl<'a> {
     /// Randomised search, or the reason against it.
     random_search: Result<RandomSearch, Reason>,
-    /// Search in zones, or the reason against it.
-    zone_search: ZoneSearch<'a, R>,
     news: Option<InterimFindings<'a>>,
     /// Number of steps at which an answered exploration ends.
     until: Option<u64>,
@@ -42,32 +37,28 @@ pub(super) struct SearchControl<'a, R: Reduced> {
 /// The results of one exploration for the next one of the same system.
 pub(super) struct CarryOver {
     random_search: Result<RandomSearch, Reason>,
-    zones: Result<Option<ZoneResult>, Reason>,
 }
 
 impl CarryOver {
     /// Returns the input of the first exploration.
-    pub(super) fn none<R: Rules>(rules: &R, watch: &Watch, limits: Limits) -> CarryOver {
+    pub(super) fn none(watch: &Watch, limits: Limits) -> CarryOver {
         CarryOver {
             random_search: random_search::check_suitable(watch, limits)
                 .map(|()| RandomSearch::new(watch)),
-            zones: zones::suit(rules.system(), watch, limits).map(|()| None),
         }
     }
 }
 
-impl<'a, R: Reduced> PollControl<'a, R> for SearchControl<'a, R> {
+impl<'a, R: Reduced> PollControl<'a, R> for SearchControl<'a> {
     fn look(&mut self, layers: &mut Layers<'a, R>) -> bool {
         let states = layers.states_now() + self.states_outside_layers();
-        let memory = layers.memory() + self.zone_search.bytes();
-        let reason = Stop::reason(states, memory, layers.limits, layers.cancel);
+        let reason = Stop::reason(states, layers.memory(), layers.limits, layers.cancel);
         let too_many = (layers.steps > layers.limits.steps).then_some(Stop::States);
         if let Some(reason) = reason.or(too_many) {
             layers.stopped = Some(reason);
             return true;
         }
         self.search_if_due(layers);
-        self.zone_search.run_if_due(layers);
         if self.answered(layers) && !self.continues(layers) {
             layers.stopped = Some(Stop::Answered);
         } else {
@@ -83,41 +74,35 @@ impl<'a, R: Reduced> PollControl<'a, R> for SearchControl<'a, R> {
     }
 }
 
-impl<'a, R: Reduced> SearchControl<'a, R> {
+impl<'a> SearchControl<'a> {
     /// Controls an exploration, with the results of the previous one.
     pub(super) fn new(carry_over: CarryOver, receiver: FindingsReceiver<'a>) -> Self {
         SearchControl {
             random_search: carry_over.random_search,
-            zone_search: ZoneSearch::new(carry_over.zones),
             news: Some(InterimFindings::new(receiver)),
             until: None,
         }
     }
 
     /// Returns the results for the next exploration of the same system, including the runs seen by this one.
-    pub(super) fn into_carry_over(self, layers: &Layers<'a, R>) -> CarryOver {
-        let SearchControl { random_search, zone_search, .. } = self;
-        CarryOver {
-            random_search: random_search.map(|search| search.carried_over(layers)),
-            zones: zone_search.into_proof(),
-        }
+    pub(super) fn into_carry_over<R: Reduced>(self, layers: &Layers<'a, R>) -> CarryOver {
+        CarryOver { random_search: self.random_search.map(|search| search.carried_over(layers)) }
     }
 
     // ---- Division of effort ----------------------------------------------------------------
 
     /// Returns true if all questions are answered, by layers or by randomised search.
-    fn answered(&self, layers: &Layers<'a, R>) -> bool {
+    fn answered<R: Reduced>(&self, layers: &Layers<'a, R>) -> bool {
         let deadlock = layers.observations.watch.deadlock;
         layers.observations.all_measured()
-            && (!deadlock || layers.deadlock.is_some() || self.zone_search.never_deadlocked())
+            && (!deadlock || layers.deadlock.is_some())
             && self.all_found(layers)
     }
 
     /// Returns true if an answered exploration continues for a while: a run of randomised search may be found
     /// earlier, and requests may turn out to be refused.
-    fn continues(&mut self, layers: &mut Layers<'a, R>) -> bool {
-        let may_refuse = layers.observations.rules.system().may_refuse();
-        let refusals = may_refuse && !self.zone_search.is_done();
+    fn continues<R: Reduced>(&mut self, layers: &mut Layers<'a, R>) -> bool {
+        let refusals = layers.observations.rules.system().may_refuse();
         let until = if let Some(number) = self.until {
             number
         } else {
@@ -134,59 +119,34 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
 
     /// Returns the number of states examined outside the layers.
     pub(super) fn states_outside_layers(&self) -> usize {
-        self.random_search.as_ref().map_or(0, |search| search.states) + self.zone_search.states()
+        self.random_search.as_ref().map_or(0, |search| search.states)
     }
 
-    /// Returns the number of steps so far, including those of randomised search and of zones.
-    pub(super) fn effort(&self, layers: &Layers<'a, R>) -> u64 {
+    /// Returns the number of steps so far, including those of randomised search.
+    pub(super) fn effort<R: Reduced>(&self, layers: &Layers<'a, R>) -> u64 {
         let random_steps = self.random_search.as_ref().map_or(0, |search| search.steps);
-        layers.steps + self.zone_search.steps() + random_steps
+        layers.steps + random_steps
     }
 
     /// Returns the number of states kept, or examined outside the layers.
-    pub(super) fn states(&self, layers: &Layers<'a, R>) -> usize {
+    pub(super) fn states<R: Reduced>(&self, layers: &Layers<'a, R>) -> usize {
         layers.states() + self.states_outside_layers()
     }
 
     // ---- Findings --------------------------------------------------------------------------
 
-    /// Returns true if a goal is certainly never reached.
-    pub(super) fn is_never(&self, layers: &Layers<'a, R>, goal: GoalId) -> bool {
-        match layers.observations.goals.predicate(goal) {
-            Some(predicate) => self.zone_search.never_reached(predicate),
-            // Systems treated by zones have no periodic tasks, so that no deadline is missed.
-            None => self.zone_search.is_done(),
-        }
-    }
-
-    /// Returns, by predicate of the watch, whether the predicate is certainly never reached.
-    fn never(&self, watch: &Watch) -> Vec<bool> {
-        let all = 0..watch.reach.len();
-        all.map(|predicate| self.zone_search.never_reached(predicate)).collect()
-    }
-
     /// Returns the services with a refused request.
-    fn refused(&self, layers: &Layers<'a, R>) -> Vec<ServiceId> {
-        let beside = |service: ServiceId| {
-            self.random_search
-                .as_ref()
-                .is_ok_and(|random_search| random_search.refused.contains(&service))
+    fn refused<R: Reduced>(&self, layers: &Layers<'a, R>) -> Vec<ServiceId> {
+        let beside = |service: &ServiceId| {
+            self.random_search.as_ref().is_ok_and(|search| search.refused.contains(service))
         };
-        let orbits = |service: ServiceId| {
-            use crate::explore::reductions::Reductions;
-            layers.observations.reductions.orbits().of_service(service)
-        };
-        (layers.observations.rules.system().services.keys())
-            .filter(|&service| {
-                layers.observations.has_refused(service)
-                    || orbits(service).iter().any(|&orbit| beside(orbit))
-                    || self.zone_search.refused(service)
-            })
-            .collect()
+        let rules = &layers.observations.rules;
+        let services = rules.system().services.keys();
+        services.filter(|service| rules.has_refused(*service) || beside(service)).collect()
     }
 
     /// Returns the finding for each gauge.
-    fn measured(layers: &Layers<'a, R>) -> Vec<Option<Measured>> {
+    fn measured<R: Reduced>(layers: &Layers<'a, R>) -> Vec<Option<Measured>> {
         let found = |run| Found { run };
         let of = |i: usize| {
             let gauge = &layers.observations.gauges[i];
@@ -221,17 +181,14 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
     }
 
     /// Returns the reductions and further strategies used.
-    fn activities(&self, layers: &Layers<'a, R>) -> Vec<Activity> {
-        let beside = [
-            (Kind::Zones, self.zone_search.reason_against()),
-            (Kind::RandomSearch, self.random_search.as_ref().err().copied()),
-        ];
-        let beside = beside.map(|(kind, off)| Activity { kind, off });
-        layers.activities().chain(beside).collect()
+    fn activities<R: Reduced>(&self, layers: &Layers<'a, R>) -> Vec<Activity> {
+        let random_search =
+            Activity { kind: Kind::RandomSearch, off: self.random_search.as_ref().err().copied() };
+        layers.activities().chain([random_search]).collect()
     }
 
     /// Returns the findings of the exploration.
-    pub(super) fn findings(self, layers: &Layers<'a, R>) -> Findings {
+    pub(super) fn findings<R: Reduced>(self, layers: &Layers<'a, R>) -> Findings {
         let watch = layers.observations.watch;
         let goals = &layers.observations.goals;
         let random_search = self.random_search.as_ref().ok();
@@ -243,7 +200,8 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
         let mut response = Self::measured(layers);
         let within = response.split_off(watch.response.len());
         let services = layers.observations.rules.system().services.keys();
-        let restarts = services.filter(|&service| layers.observations.has_ended_restarts(service));
+        let restarts =
+            services.filter(|&service| layers.observations.rules.has_ended_restarts(service));
         let deadlock = layers.deadlock.filter(|_| watch.deadlock);
         Findings {
             missed,
@@ -251,10 +209,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
             response,
             reached,
             within,
-            never: self.never(watch),
-            absent: (self.zone_search.absent())
-                .map_or_else(|| layers.observations.seen.absent.clone(), Clone::clone),
-            no_deadlock: self.zone_search.never_deadlocked(),
+            absent: layers.observations.seen.absent.clone(),
             chain: ChainSpans::default(),
             deadlock: deadlock.map(|at| Found { run: layers.trace(at, &Target::Deadlock) }),
             refused: self.refused(layers),
@@ -262,13 +217,8 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
             reductions: vec![self.activities(layers)],
             states: self.states(layers),
             steps: self.effort(layers),
-            bytes: (random_search.map_or(0, |search| search.bytes))
-                .max(self.zone_search.final_bytes())
-                .max(layers.memory() + self.zone_search.bytes()),
-            // All states have been examined, possibly with zones.
-            stopped: layers
-                .stopped
-                .filter(|&stop| stop != Stop::Answered || !self.zone_search.is_done()),
+            bytes: random_search.map_or(0, |search| search.bytes).max(layers.memory()),
+            stopped: layers.stopped,
         }
     }
 }

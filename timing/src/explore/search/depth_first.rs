@@ -7,7 +7,7 @@ use std::hash::BuildHasher;
 
 use rustc_hash::FxBuildHasher;
 
-use super::goals::{Goal, Goals, PerGoal};
+use super::goals::{Goals, PerGoal};
 use super::layers::covering;
 use super::observations::{Longest, Observations, Sight};
 use crate::cancel::Cancel;
@@ -89,8 +89,6 @@ const START: StepId = u32::MAX;
 enum Step {
     Act(Action),
     Pass(Ticks),
-    /// Symmetric parts were put in order.
-    Order,
 }
 
 /// A state from which the search continues.
@@ -158,13 +156,10 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
             }
             let trail = &mut self.trail;
             let observations = &mut self.observations;
-            let ordered = observations.settle(&mut s, &mut held, &mut enabled, |action| {
+            observations.settle(&mut s, &mut held, &mut enabled, |action| {
                 at.parent = push(trail, at.parent, Step::Act(action));
                 at
             });
-            if ordered {
-                at.parent = push(trail, at.parent, Step::Order);
-            }
             encode(observations.rules.frame(), &s, &mut encoding);
             if held != 0 {
                 encoding.key.extend(held.to_le_bytes());
@@ -239,7 +234,7 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
     /// Returns a run whose last measurement is as long as the one searched for, and the length.
     pub(super) fn longest_run(&mut self) -> Option<(Run, Ticks)> {
         let Longest { value, at } = self.longest()?;
-        Some((self.run_to(at, None), value))
+        Some((self.run_to(at), value))
     }
 
     /// Returns the repetition within the last measurement of a run.
@@ -307,20 +302,12 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
     /// Returns runs to the goals that were seen.
     pub(super) fn found_run(&mut self) -> PerGoal<Option<Run>> {
         let Observations { goals, seen, .. } = &self.observations;
-        let sights = goals.each(|id| seen.goals[id].map(|at| (at, goals.get(id))));
-        let run = |found: Option<(Sight<StepId>, Goal<'a>)>| {
-            found.map(|(at, goal)| match goal {
-                Goal::Missed(task) => self.run_to(at, Some((task, R::missed))),
-                Goal::Overdue(task) => self.run_to(at, Some((task, R::overdue))),
-                Goal::Reached(_) => self.run_to(at, None),
-            })
-        };
-        sights.map(run)
+        let sights = goals.each(|id| seen.goals[id]);
+        sights.map(|found| found.map(|at| self.run_to(at)))
     }
 
-    /// Returns the run that ends with a step. If the sight is about a task, the run is about that task: its
-    /// steps are performed again, with the names from before any symmetric parts were put in order.
-    fn run_to(&mut self, at: Sight<StepId>, about: Option<(usize, Shown<R>)>) -> Run {
+    /// Returns the run that ends with a step. Its steps are performed again, and observed.
+    fn run_to(&mut self, at: Sight<StepId>) -> Run {
         let mut steps = Vec::new();
         let mut last = at.parent;
         while let Some(&(before, step)) = self.trail.get(last as usize) {
@@ -328,12 +315,11 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
             last = before;
         }
         let mut s = self.observations.initial();
-        let mut names = self.observations.reductions.orbits().identity();
         let mut run = Run::default();
         for step in steps.into_iter().rev() {
             match step {
                 Step::Act(action) => {
-                    run.steps.push((run.end, names.action(action)));
+                    run.steps.push((run.end, action));
                     let now = Sight { time: run.end, ..at };
                     self.observations.step(&mut s, action, &mut 0, now);
                 }
@@ -343,31 +329,15 @@ impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
                     self.observations.rules.elapse(&mut s, time);
                     self.look_at_clocks(&mut s, now);
                 }
-                Step::Order => {
-                    let Observations { rules, reductions, .. } = &self.observations;
-                    if let Some(order) = reductions.order(rules, &mut s) {
-                        names = names.after(&order.inverse());
-                    }
-                }
             }
         }
-        let Some((task, shown)) = about else {
-            return run;
-        };
-        let observations = &self.observations;
-        let mut alike = observations.reductions.orbits().of_task(task).iter().copied();
-        match alike.find(|&task| shown(&observations.rules, &s, task)) {
-            Some(index) if names.task(index) != task => {
-                observations.exchanged(&run, names.task(index), task)
-            }
-            _ => run,
-        }
+        run
     }
 
     /// Returns the services with a refused request.
     pub(super) fn refused(&self) -> Vec<ServiceId> {
         (self.observations.rules.system().services.keys())
-            .filter(|&service| self.observations.has_refused(service))
+            .filter(|&service| self.observations.rules.has_refused(service))
             .collect()
     }
 
@@ -422,9 +392,6 @@ fn search_once_by<R: Reduced>(
         ..Findings::default()
     }
 }
-
-/// A test of a state for a property of a task.
-type Shown<R> = fn(&R, &State, usize) -> bool;
 
 /// Adds a step after another one.
 fn push(trail: &mut Vec<(StepId, Step)>, before: StepId, step: Step) -> StepId {

@@ -3,7 +3,6 @@
 use crate::system::TaskId;
 use std::ops::{Index, IndexMut};
 
-use crate::explore::reductions::Orbits;
 use crate::explore::watch::Watch;
 use crate::property::Predicate;
 
@@ -16,16 +15,6 @@ pub(super) enum Goal<'w> {
     Overdue(usize),
     /// The predicate holds.
     Reached(&'w Predicate),
-}
-
-impl Goal<'_> {
-    /// Returns the task of the goal.
-    pub(super) fn task(self) -> Option<usize> {
-        match self {
-            Goal::Missed(task) | Goal::Overdue(task) => Some(task),
-            Goal::Reached(_) => None,
-        }
-    }
 }
 
 /// The index of a goal in the list of its watch.
@@ -86,26 +75,6 @@ impl<'w> Goals<'w> {
             Goal::Overdue(usize::from(self.watch.overdue[id - missed]))
         } else {
             Goal::Reached(&self.watch.reach[id - missed - overdue])
-        }
-    }
-
-    /// Returns the index of a predicate in the watch, if the goal is one.
-    pub(super) fn predicate(&self, GoalId(id): GoalId) -> Option<usize> {
-        let [missed, overdue, _] = self.counts();
-        id.checked_sub(missed + overdue)
-    }
-
-    /// Returns the goals of the same kind for all tasks in the orbit of the goal's task, including the goal
-    /// itself.
-    pub(super) fn alike(&self, id: GoalId, orbits: &Orbits) -> Vec<GoalId> {
-        let same = |all: &mut dyn Iterator<Item = (GoalId, usize)>, task: usize| {
-            let orbit = orbits.of_task(task);
-            all.filter(|pair| orbit.contains(&pair.1)).map(|pair| pair.0).collect()
-        };
-        match self.get(id) {
-            Goal::Missed(task) => same(&mut self.missed(), task),
-            Goal::Overdue(task) => same(&mut self.overdue(), task),
-            Goal::Reached(_) => vec![id],
         }
     }
 

@@ -69,8 +69,6 @@ pub(super) struct Layers<'a, R: Reduced> {
     pub(super) observations: Observations<'a, R, NodeId>,
     pub(super) graph: Graph,
     layer: Layer,
-    /// All states of earlier dense instants.
-    dense_states: Store,
     pub(super) steps: u64,
     /// Present moment, in base units.
     pub(super) now: u64,
@@ -121,7 +119,6 @@ impl<'a, R: Reduced> Layers<'a, R> {
                 under_way: 0,
                 released: (0, 0),
             },
-            dense_states: Store::new(clocks, covering),
             steps: 0,
             now: 0,
             deadlock: None,
@@ -188,7 +185,6 @@ impl<'a, R: Reduced> Layers<'a, R> {
         self.layer.under_way = 0;
         self.layer.calm = Vec::new();
         self.layer.states = Store::default();
-        self.dense_states = Store::default();
         self.spare = Vec::new();
     }
 
@@ -242,11 +238,6 @@ impl<'a, R: Reduced> Layers<'a, R> {
             if held != 0 {
                 encoding.key.extend(held.to_le_bytes());
             }
-            // An earlier dense instant has followed the state already.
-            if self.dense_states.holds(&encoding) {
-                self.spare.push(s);
-                continue;
-            }
             let tag = links.one(parent);
             let join = |one, other| links.join(one, other);
             let Some(key) = self.layer.states.insert(&encoding, tag, join) else {
@@ -268,32 +259,6 @@ impl<'a, R: Reduced> Layers<'a, R> {
         }
         self.is_stopped();
         self.keep_calm(time, &links, by);
-        self.keep_dense_instant(by);
-    }
-
-    /// Keeps the states of a dense instant, because most of them occur again at later moments, where their
-    /// successors are then known.
-    fn keep_dense_instant(&mut self, by: &mut dyn PollControl<'a, R>) {
-        if !self.is_dense() || self.limits.without.contains(Kind::MomentCovering) {
-            return;
-        }
-        let layer = std::mem::take(&mut self.layer.states);
-        self.layer.under_way = layer.memory();
-        let mut encoding = Encoded::default();
-        for key in 0..layer.len() as u32 {
-            if key % 64 == 63 && by.look(self) {
-                break;
-            }
-            encoding.key.clear();
-            encoding.key.extend(layer.key(key));
-            for (dims, _) in layer.covers(key) {
-                encoding.dims.clear();
-                encoding.dims.extend(dims);
-                self.dense_states.insert(&encoding, 0, |_, _| 0);
-            }
-        }
-        self.layer.under_way = 0;
-        self.layer.states = layer;
     }
 
     /// Turns the calm states of the layer into nodes, unless earlier nodes cover them.
@@ -451,9 +416,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
             };
             let time = self.graph[parent].time + u64::from(left) + 1;
             if observations.seen.excess[i].is_none_or(|excess| time < excess.time) {
-                for index in observations.alike(i) {
-                    observations.seen.excess[index] = Some(Sight { parent, time });
-                }
+                observations.seen.excess[i] = Some(Sight { parent, time });
             }
         }
     }
@@ -480,20 +443,5 @@ impl<'a, R: Reduced> Layers<'a, R> {
         let Gauge { of, limit, .. } = self.observations.gauges[gauge];
         let at = self.observations.seen.excess[gauge]?;
         Some(self.trace(at, &Target::Lasts(of, limit? + 1)))
-    }
-
-    /// Copies the finding for one gauge to all gauges of its orbit.
-    pub(super) fn of_all_alike(&self, found: &Divergence) -> Vec<Divergence> {
-        let task = |gauge: usize| self.observations.gauges[gauge].of.task();
-        let of = |gauge: usize| {
-            let run = |run: &Option<Run>| {
-                run.as_ref().map(|run| match (task(found.gauge), task(gauge)) {
-                    (Some(from), Some(to)) => self.observations.exchanged(run, from, to),
-                    _ => run.clone(),
-                })
-            };
-            Divergence { gauge, proof: run(&found.proof), excess: run(&found.excess) }
-        };
-        self.observations.alike(found.gauge).into_iter().map(of).collect()
     }
 }

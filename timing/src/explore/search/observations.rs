@@ -1,16 +1,15 @@
 //! Observation along runs, whatever the order of exploration: single steps, and what each step shows.
 
-use super::goals::{GoalId, Goals, PerGoal};
+use super::goals::{Goals, PerGoal};
 use crate::explore::measure::{Gauge, MeasurementMode, Timing};
 use crate::explore::never_observed::NeverObserved;
 use crate::explore::observe::{self, Observers};
-use crate::explore::reductions::{Kinds, Label, Reduced, Reductions, SleepSet, Watched};
+use crate::explore::reductions::{Kinds, Reduced, Reductions, SleepSet, Watched};
 use crate::explore::rules::{Action, Enabled};
-use crate::explore::run::Run;
 use crate::explore::state::{Clocks, Stages, State, TaskStatus};
 use crate::explore::watch::Watch;
 use crate::property::Predicate;
-use crate::system::{ServiceId, TaskId, Ticks};
+use crate::system::{TaskId, Ticks};
 
 /// The place and time of an observation.
 #[derive(Debug, Clone, Copy)]
@@ -82,21 +81,7 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
             .chain(&watch.reach)
             .chain(watch.monitors.iter().flat_map(|monitor| &monitor.predicates))
             .collect();
-        let label = |task: usize| Label {
-            watched: [
-                watch.schedulable.contains(&TaskId::from(task)),
-                watch.overdue.contains(&TaskId::from(task)),
-            ],
-            measured: (gauges.iter())
-                .filter(|gauge| gauge.of == Timing::Response(task))
-                .map(|gauge| (gauge.limit, gauge.most, gauge.active()))
-                .collect(),
-        };
-        let asked = Watched {
-            labels: (0..system.tasks.len()).map(label).collect(),
-            predicates,
-            measured: clocks.response,
-        };
+        let asked = Watched { predicates, measured: clocks.response };
         let goals = Goals::of(watch);
         let reductions = R::Reductions::new(&own, &asked, without);
         Observations {
@@ -109,7 +94,7 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
                 goals: goals.each(|_| None),
                 longest: vec![None; gauges.len()],
                 excess: vec![None; gauges.len()],
-                absent: NeverObserved::of(watch, reductions.orbits()),
+                absent: NeverObserved::of(watch),
                 enough: false,
             },
             goals,
@@ -133,15 +118,15 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
 
     // ---- Steps -----------------------------------------------------------------------------
 
-    /// Performs committed steps without a choice, whose states need not be kept, and puts the state in order.
-    /// `at` is the sight after a step. Returns true if the order changed.
+    /// Performs committed steps without a choice, whose states need not be kept. `at` is the sight after a
+    /// step.
     pub(super) fn settle(
         &mut self,
         s: &mut State,
         held: &mut SleepSet,
         enabled: &mut Enabled,
         mut at: impl FnMut(Action) -> Sight<P>,
-    ) -> bool {
+    ) {
         self.rules.enabled(s, enabled);
         // The limit is needed because a client may loop without time passing.
         for _ in 0..16 {
@@ -152,11 +137,6 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
             self.step(s, action, held, at(action));
             self.rules.enabled(s, enabled);
         }
-        let ordered = *held == 0 && self.reductions.order(&self.rules, s).is_some();
-        if ordered {
-            self.rules.enabled(s, enabled);
-        }
-        ordered
     }
 
     /// Writes the actions to follow in a state, each with the actions that it holds back.
@@ -215,20 +195,12 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
 
     // ---- Observations ----------------------------------------------------------------------
 
-    /// Records that a goal is reached, and all goals of its orbit.
-    fn sight(&mut self, goal: GoalId, at: Sight<P>) {
-        for goal in self.goals.alike(goal, self.reductions.orbits()) {
-            self.seen.goals[goal] = Some(at);
-        }
-    }
-
     /// Checks a state that was just entered.
     pub(super) fn check(&mut self, before: Option<&State>, s: &State, at: Sight<P>) {
-        let orbits = self.reductions.orbits();
-        self.seen.absent.look(&self.rules, s, orbits);
+        self.seen.absent.look(&self.rules, s);
         for (goal, task) in self.goals.missed() {
             if self.seen.goals[goal].is_none() && self.rules.missed(s, task) {
-                self.sight(goal, at);
+                self.seen.goals[goal] = Some(at);
                 self.seen.enough |= self.watch.stop_at_first;
             }
         }
@@ -246,9 +218,7 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
             if self.seen.longest[i].is_none()
                 && (gauge.of.runs(&self.rules, s) || self.is_answered_at_once(before, s, gauge.of))
             {
-                for index in self.alike(i) {
-                    self.seen.longest[index] = Some(Longest { value: 0, at });
-                }
+                self.seen.longest[i] = Some(Longest { value: 0, at });
             }
         }
     }
@@ -291,7 +261,7 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
         for (goal, task) in self.goals.overdue() {
             let begins = self.rules.may_begin_to_wait(action, task);
             if begins && self.seen.goals[goal].is_none() && self.rules.overdue(s, task) {
-                self.sight(goal, at);
+                self.seen.goals[goal] = Some(at);
             }
         }
     }
@@ -300,7 +270,7 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
     pub(super) fn waiting_after_jump(&mut self, s: &mut State, at: Sight<P>) {
         for (goal, task) in self.goals.overdue() {
             if self.seen.goals[goal].is_none() && self.rules.overdue(s, task) {
-                self.sight(goal, at);
+                self.seen.goals[goal] = Some(at);
             }
         }
         self.clamp_waiting(s);
@@ -317,9 +287,7 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
         if self.seen.longest[gauge].is_some_and(|longest| longest.value >= value) {
             return None;
         }
-        for index in self.alike(gauge) {
-            self.seen.longest[index] = Some(Longest { value, at });
-        }
+        self.seen.longest[gauge] = Some(Longest { value, at });
         Some(value)
     }
 
@@ -355,43 +323,5 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
         let unbounded =
             |gauge: usize| matches!(self.gauges[gauge].how, MeasurementMode::Unbounded(_));
         (0..self.gauges.len()).all(|gauge| unbounded(gauge) || self.is_longest(gauge))
-    }
-
-    // ---- Symmetry --------------------------------------------------------------------------
-
-    /// Returns the gauges of the orbit of a gauge, including itself.
-    pub(super) fn alike(&self, gauge: usize) -> Vec<usize> {
-        let entry = &self.gauges[gauge];
-        let Timing::Response(task) = entry.of else {
-            return vec![gauge];
-        };
-        let orbit = self.reductions.orbits().of_task(task);
-        let same = |other: &Gauge| {
-            let alike = matches!(other.of, Timing::Response(task) if orbit.contains(&task));
-            alike && (other.limit, other.most) == (entry.limit, entry.most)
-        };
-        (0..self.gauges.len()).filter(|&other| same(&self.gauges[other])).collect()
-    }
-
-    /// Returns a run with one task exchanged for another of its orbit.
-    pub(super) fn exchanged(&self, run: &Run, from: usize, to: usize) -> Run {
-        let renaming = self.reductions.orbits().exchange(from, to);
-        let steps = run.steps.iter();
-        Run {
-            steps: steps.map(|&(time, step)| (time, renaming.action(step))).collect(),
-            ..run.clone()
-        }
-    }
-
-    /// Returns true if a request for a service, or for one of its orbit, was refused.
-    pub(super) fn has_refused(&self, service: ServiceId) -> bool {
-        let mut orbit = self.reductions.orbits().of_service(service).iter();
-        orbit.any(|&orbit| self.rules.has_refused(orbit))
-    }
-
-    /// Returns true if two waiting instances of a service, or of one of its orbit, interrupted each other.
-    pub(super) fn has_ended_restarts(&self, service: ServiceId) -> bool {
-        let mut orbit = self.reductions.orbits().of_service(service).iter();
-        orbit.any(|&orbit| self.rules.has_ended_restarts(orbit))
     }
 }

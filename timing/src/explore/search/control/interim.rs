@@ -14,41 +14,35 @@ pub(super) struct InterimFindings<'a> {
     receiver: FindingsReceiver<'a>,
     /// Goals already reported; `None` if there was no report yet.
     reported: Option<PerGoal<bool>>,
-    /// The result of zones was reported.
-    proved: bool,
 }
 
 impl<'a> InterimFindings<'a> {
     pub(super) fn new(receiver: FindingsReceiver<'a>) -> Self {
-        InterimFindings { receiver, reported: None, proved: false }
+        InterimFindings { receiver, reported: None }
     }
 }
 
-impl<'a, R: Reduced> SearchControl<'a, R> {
+impl<'a> SearchControl<'a> {
     /// Reports new final answers: failures, reached predicates, and predicates that are never reached. Later
     /// findings change neither the answers nor their runs.
-    pub(super) fn report_interim(&mut self, layers: &Layers<'a, R>) {
+    pub(super) fn report_interim<R: Reduced>(&mut self, layers: &Layers<'a, R>) {
         let Some(mut news) = self.news.take() else {
             return;
         };
         let goals = &layers.observations.goals;
         let reported = |goal| news.reported.as_ref().is_some_and(|reported| reported[goal]);
         let is_new = |goal| !reported(goal) && self.is_known(layers, goal);
-        if goals.ids().any(is_new) || news.proved != self.zone_search.is_done() {
+        if goals.ids().any(is_new) {
             let [missed, overdue, reached] = goals.split(goals.each(|goal| {
                 let run = is_new(goal).then(|| self.known_run(layers, goal));
                 run.flatten().map(|run| Found { run })
             }));
             news.reported = Some(goals.each(|goal| self.is_known(layers, goal)));
-            news.proved = self.zone_search.is_done();
             let watch = layers.observations.watch;
             let found = Findings {
                 missed,
                 overdue,
                 reached,
-                never: self.never(watch),
-                absent: self.zone_search.absent().cloned().unwrap_or_default(),
-                no_deadlock: self.zone_search.never_deadlocked(),
                 response: vec![None; watch.response.len()],
                 within: vec![None; watch.within.len()],
                 ..Findings::default()
@@ -65,11 +59,11 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
     }
 
     /// Returns true if a goal was seen, or has a final found run.
-    fn is_known(&self, layers: &Layers<'a, R>, goal: GoalId) -> bool {
+    fn is_known<R: Reduced>(&self, layers: &Layers<'a, R>, goal: GoalId) -> bool {
         layers.observations.seen.goals[goal].is_some() || self.final_run(goal).is_some()
     }
 
-    fn known_run(&self, layers: &Layers<'a, R>, goal: GoalId) -> Option<Run> {
+    fn known_run<R: Reduced>(&self, layers: &Layers<'a, R>, goal: GoalId) -> Option<Run> {
         let found_run = self.final_run(goal).cloned();
         found_run.or_else(|| layers.run_to(goal))
     }

@@ -149,9 +149,9 @@ pub(super) fn check_suitable(watch: &Watch, limits: Limits) -> Result<(), Reason
     }
 }
 
-impl<'a, R: Reduced> SearchControl<'a, R> {
+impl<'a> SearchControl<'a> {
     /// Returns the `wanted` goals that are neither seen nor settled otherwise, depending on their found run.
-    fn open_goals(
+    fn open_goals<R: Reduced>(
         &self,
         layers: &Layers<'a, R>,
         wanted: impl Fn(Option<&Run>) -> bool,
@@ -159,8 +159,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
         layers.observations.goals.ids().filter(move |&goal| {
             let found_run =
                 self.random_search.as_ref().ok().and_then(|search| search.found_run(goal));
-            let settled = self.is_never(layers, goal)
-                || found_run.is_some_and(|found_run| found_run.is_final);
+            let settled = found_run.is_some_and(|found_run| found_run.is_final);
             layers.observations.seen.goals[goal].is_none()
                 && !settled
                 && wanted(found_run.map(|found_run| &found_run.run))
@@ -168,26 +167,26 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
     }
 
     /// Returns true if all properties of single states were seen or found.
-    pub(super) fn all_found(&self, layers: &Layers<'a, R>) -> bool {
+    pub(super) fn all_found<R: Reduced>(&self, layers: &Layers<'a, R>) -> bool {
         let mut left = self.open_goals(layers, |found_run| found_run.is_none());
         left.next().is_none()
     }
 
     /// Returns true if some goal was only found by random search, and may still be reached earlier.
-    pub(super) fn may_find_earlier_end(&self, layers: &Layers<'a, R>) -> bool {
+    pub(super) fn may_find_earlier_end<R: Reduced>(&self, layers: &Layers<'a, R>) -> bool {
         let now = layers.now;
         let mut left = self
             .open_goals(layers, |found_run| found_run.is_some_and(|found_run| found_run.end > now));
         left.next().is_some()
     }
 
-    pub(super) fn is_random_search_due(&self, layers: &Layers<'a, R>) -> bool {
+    pub(super) fn is_random_search_due<R: Reduced>(&self, layers: &Layers<'a, R>) -> bool {
         let random_search = self.random_search.as_ref();
         random_search.is_ok_and(|search| search.is_due(layers.steps, layers.is_dense()))
     }
 
     /// Returns the number of steps for each of the two searches for an earlier end.
-    pub(super) fn further(&self, layers: &Layers<'a, R>) -> u64 {
+    pub(super) fn further<R: Reduced>(&self, layers: &Layers<'a, R>) -> u64 {
         self.effort(layers).min(MAX_STEPS_FOR_EARLIER_END)
     }
 
@@ -199,7 +198,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
     }
 
     /// Makes found runs final, if the search has continued for long enough without seeing the goals.
-    fn settle_if_due(&mut self, layers: &Layers<'a, R>) {
+    fn settle_if_due<R: Reduced>(&mut self, layers: &Layers<'a, R>) {
         let due = self.random_search.as_ref().ok().and_then(|search| search.report_at);
         if due.is_none_or(|report| layers.steps < report) {
             return;
@@ -213,7 +212,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
     }
 
     /// Searches at random for goals that have not been seen, if a search is due.
-    pub(super) fn search_if_due(&mut self, layers: &mut Layers<'a, R>) {
+    pub(super) fn search_if_due<R: Reduced>(&mut self, layers: &mut Layers<'a, R>) {
         self.settle_if_due(layers);
         while layers.diverging.is_none() && self.is_random_search_due(layers) {
             let goals: Vec<GoalId> = self.open_goals(layers, |run| run.is_none()).collect();
@@ -253,7 +252,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
 
     /// Searches, for this many steps, for runs that end earlier than the found runs: first up to moments soon
     /// after the present one, then up to later and later moments.
-    pub(super) fn search_earlier_ends(&mut self, layers: &Layers<'a, R>, further: u64) {
+    pub(super) fn search_earlier_ends<R: Reduced>(&mut self, layers: &Layers<'a, R>, further: u64) {
         let goals: Vec<GoalId> = self.open_goals(layers, |run| run.is_some()).collect();
         let watch = layers.observations.goals.only(&goals);
         let mut search = beside(layers, &watch);
@@ -281,7 +280,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
     }
 
     /// Runs one search of a given length, up to a moment. Returns true if it has found anything new.
-    fn search(
+    fn search<R: Reduced>(
         &mut self,
         layers: &Layers<'a, R>,
         search: &mut DepthFirstSearch<'_, R>,
@@ -307,7 +306,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
         any
     }
 
-    pub(super) fn run_search(
+    pub(super) fn run_search<R: Reduced>(
         &mut self,
         layers: &Layers<'a, R>,
         search: &mut DepthFirstSearch<R>,
@@ -319,7 +318,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
             Some(_) => 0,
             None => layers.states_now() + self.states_outside_layers(),
         };
-        let bytes = layers.memory() + self.zone_search.bytes();
+        let bytes = layers.memory();
         let Ok(random_search) = &mut self.random_search else {
             return;
         };

@@ -17,9 +17,9 @@ use crate::system::{TaskId, Ticks};
 /// Number of times that a search without a repetition is prolonged.
 const MAX_DOUBLINGS: u32 = 5;
 
-impl<'a, R: Reduced> SearchControl<'a, R> {
+impl<'a> SearchControl<'a> {
     /// Returns the next time to examine, among those that may have no bound.
-    pub(super) fn next_unbounded(&self, layers: &Layers<'a, R>) -> Option<usize> {
+    pub(super) fn next_unbounded<R: Reduced>(&self, layers: &Layers<'a, R>) -> Option<usize> {
         let random_search = self.random_search.as_ref().ok()?;
         let gauges = layers.observations.gauges.iter().enumerate();
         let endless = |&(i, gauge): &(usize, &Gauge)| {
@@ -31,7 +31,7 @@ impl<'a, R: Reduced> SearchControl<'a, R> {
     }
 
     /// Runs some searches for a time without a bound.
-    pub(super) fn search_unbounded(
+    pub(super) fn search_unbounded<R: Reduced>(
         &mut self,
         layers: &Layers<'a, R>,
         gauge: usize,

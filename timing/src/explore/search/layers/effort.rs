@@ -43,7 +43,6 @@ impl<R: Reduced> Layers<'_, R> {
 
     pub(super) fn memory_outside_graph(&self) -> usize {
         self.layer.states.memory()
-            + self.dense_states.memory()
             + self.layer.under_way
             + self.spare.len() * self.observations.rules.frame().state_bytes()
     }
@@ -57,12 +56,10 @@ impl<R: Reduced> Layers<'_, R> {
 
     /// Returns the reductions in use.
     pub(in crate::explore::search) fn activities(&self) -> impl Iterator<Item = Activity> {
-        let switched =
-            [Kind::WindowUnion, Kind::WindowInclusion, Kind::MomentCovering].map(|kind| {
-                let off = self.limits.without.contains(kind);
-                let off = off.then_some(Reason::SwitchedOff);
-                Activity { kind, off }
-            });
+        let switched = [Kind::WindowUnion, Kind::WindowInclusion].map(|kind| {
+            let off = self.limits.without.contains(kind);
+            Activity { kind, off: off.then_some(Reason::SwitchedOff) }
+        });
         let own = self.observations.reductions.activities().iter().copied();
         own.chain(switched)
     }

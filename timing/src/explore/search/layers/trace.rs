@@ -7,7 +7,7 @@ use rustc_hash::FxHashMap;
 use super::{Layers, STATES_PER_POLL};
 use crate::explore::measure::Timing;
 use crate::explore::observe;
-use crate::explore::reductions::{Reduced, Reductions, Renaming};
+use crate::explore::reductions::{Reduced, Reductions};
 use crate::explore::rules::{Action, Enabled};
 use crate::explore::run::Run;
 use crate::explore::search::goals::{Goal, GoalId};
@@ -29,15 +29,6 @@ pub(in crate::explore::search) enum Target<'g> {
 /// change.
 pub(in crate::explore::search) type ReconstructedRuns =
     RefCell<FxHashMap<(GoalId, NodeId, u64), Run>>;
-
-/// A match of a state with the target.
-#[derive(Default)]
-struct TargetMatch {
-    /// Task for which it holds, among the tasks of an orbit.
-    task: Option<usize>,
-    /// Renaming that puts the state in order.
-    order: Option<Renaming>,
-}
 
 /// The remaining times of all executing executors at a point of a run, in base units.
 type Point = Vec<Option<Ticks>>;
@@ -62,14 +53,12 @@ impl<R: Reduced> Layers<'_, R> {
         let left_out = || Run { end: at.time, left_out: true, ..Run::default() };
         let mut segments: Vec<(u64, Vec<Action>)> = Vec::new();
         let mut node = at.parent;
-        let mut task = None;
         let mut point = if matches!(goal, Target::Deadlock) {
             self.any_point(&self.state_of(node))
         } else {
-            let Some((actions, last, hit)) = self.segment(node, at.time, goal) else {
+            let Some((actions, last)) = self.segment(node, at.time, goal) else {
                 return left_out();
             };
-            task = hit.task;
             segments.push((at.time, actions));
             self.any_point(&last)
         };
@@ -78,24 +67,9 @@ impl<R: Reduced> Layers<'_, R> {
                 point = self.point_before(node, segment, &point);
             }
             // A part of a run is useless.
-            let Some((parent, actions, order)) = self.segment_to(node, &point) else {
+            let Some((parent, actions)) = self.segment_to(node, &point) else {
                 return left_out();
             };
-            // The state was put in order here. Later actions have the names after that, and the run has the
-            // names before.
-            if let Some(back) = order.map(|order| order.inverse()) {
-                for (_, later) in &mut segments {
-                    for action in later.iter_mut() {
-                        *action = back.action(*action);
-                    }
-                }
-                task = task.map(|task| back.task(task));
-                let after = std::mem::take(&mut point);
-                point = vec![None; after.len()];
-                for (e, remaining) in after.into_iter().enumerate() {
-                    point[back.executor(e)] = remaining;
-                }
-            }
             segments.push((self.graph[node].time, actions));
             node = parent;
         }
@@ -104,10 +78,7 @@ impl<R: Reduced> Layers<'_, R> {
             run.extend(time, actions);
         }
         run.end = at.time;
-        match (task, goal.task()) {
-            (Some(from), Some(to)) if from != to => self.observations.exchanged(&run, from, to),
-            _ => run,
-        }
+        run
     }
 
     fn state_of(&self, node: NodeId) -> State {
@@ -150,13 +121,8 @@ impl<R: Reduced> Layers<'_, R> {
             .collect()
     }
 
-    /// Returns a segment from one of the parents of a node to the given point of the node, and the renaming
-    /// that puts the state there in order.
-    fn segment_to(
-        &self,
-        node: NodeId,
-        point: &Point,
-    ) -> Option<(NodeId, Vec<Action>, Option<Renaming>)> {
+    /// Returns a segment from one of the parents of a node to the given point of the node.
+    fn segment_to(&self, node: NodeId, point: &Point) -> Option<(NodeId, Vec<Action>)> {
         let time = self.graph[node].time;
         let mut s = self.state_of(node);
         for (e, remaining) in point.iter().enumerate() {
@@ -167,19 +133,13 @@ impl<R: Reduced> Layers<'_, R> {
         let mut wanted = Encoded::default();
         encode(self.observations.rules.frame(), &s, &mut wanted);
         let goal = Target::Calm(&wanted.key, &wanted.dims);
-        self.graph.parents(node).find_map(|parent| {
-            let (actions, _, hit) = self.segment(parent, time, &goal)?;
-            Some((parent, actions, hit.order))
-        })
+        self.graph
+            .parents(node)
+            .find_map(|parent| Some((parent, self.segment(parent, time, &goal)?.0)))
     }
 
     /// Returns the actions at one moment after the jump of a node, up to a state that matches the target.
-    fn segment(
-        &self,
-        parent: NodeId,
-        time: u64,
-        goal: &Target,
-    ) -> Option<(Vec<Action>, State, TargetMatch)> {
+    fn segment(&self, parent: NodeId, time: u64, goal: &Target) -> Option<(Vec<Action>, State)> {
         let mut start = if parent == NodeId::ROOT {
             self.observations.initial()
         } else {
@@ -194,7 +154,6 @@ impl<R: Reduced> Layers<'_, R> {
         let mut enabled = Enabled::default();
         let mut followed = Vec::new();
         let mut encoding = Encoded::default();
-        let mut ordered = State::default();
         // In states: as elements of the list, and as keys of the set.
         let room = self.room_for_run() / self.bytes_of_found();
         let mut at = 0;
@@ -207,7 +166,7 @@ impl<R: Reduced> Layers<'_, R> {
             let s = found[at].0.clone();
             let before = found.get(found[at].1).map(|triple| triple.0.clone());
             self.observations.rules.enabled(&s, &mut enabled);
-            if let Some(hit) = self.is_goal(before.as_ref(), &s, &enabled, goal) {
+            if self.is_goal(before.as_ref(), &s, &enabled, goal) {
                 let mut actions = Vec::new();
                 let mut back = at;
                 while let Some(action) = found[back].2 {
@@ -215,7 +174,7 @@ impl<R: Reduced> Layers<'_, R> {
                     back = found[back].1;
                 }
                 actions.reverse();
-                return Some((actions, s, hit));
+                return Some((actions, s));
             }
             self.observations.reductions.persistent(
                 &self.observations.rules,
@@ -233,14 +192,12 @@ impl<R: Reduced> Layers<'_, R> {
                     &mut next,
                 );
                 self.observations.begin_waiting(&mut next, action);
-                ordered.clone_from(&next);
-                self.observations.reductions.order(&self.observations.rules, &mut ordered);
-                encode(self.observations.rules.frame(), &ordered, &mut encoding);
+                encode(self.observations.rules.frame(), &next, &mut encoding);
                 // Such a target is seen in a step, not in the state after the step.
                 let by_step = matches!(
                     goal,
                     Target::Goal(Goal::Reached(_)) | Target::Lasts(Timing::Within(_), 0)
-                ) && self.is_goal(Some(&s), &next, &enabled, goal).is_some();
+                ) && self.is_goal(Some(&s), &next, &enabled, goal);
                 if seen.insert((encoding.clone(), by_step)) {
                     found.push((next, at, Some(action)));
                 }
@@ -257,63 +214,31 @@ impl<R: Reduced> Layers<'_, R> {
         list + set + 2 * self.observations.rules.frame().state_bytes()
     }
 
-    fn is_goal(
-        &self,
-        before: Option<&State>,
-        s: &State,
-        enabled: &Enabled,
-        goal: &Target,
-    ) -> Option<TargetMatch> {
+    fn is_goal(&self, before: Option<&State>, s: &State, enabled: &Enabled, goal: &Target) -> bool {
         let l = self.observations.rules.frame();
-        let some_task = |task: usize, found: &dyn Fn(usize) -> bool| {
-            let mut orbit = self.observations.reductions.orbits().of_task(task).iter().copied();
-            let task = orbit.find(|&orbit| found(orbit));
-            task.map(|task| TargetMatch { task: Some(task), order: None })
-        };
         let lasts = |of: Timing, value| {
             of.runs(&self.observations.rules, s)
                 && of.clock(l, s).is_none_or(|clock| s.t[clock] >= value)
         };
         match *goal {
-            Target::Goal(Goal::Missed(task)) => {
-                some_task(task, &|task| self.observations.rules.missed(s, task))
-            }
-            Target::Goal(Goal::Overdue(task)) => {
-                some_task(task, &|task| self.observations.rules.overdue(s, task))
-            }
+            Target::Goal(Goal::Missed(task)) => self.observations.rules.missed(s, task),
+            Target::Goal(Goal::Overdue(task)) => self.observations.rules.overdue(s, task),
             Target::Goal(Goal::Reached(predicate)) => {
                 observe::predicate(&self.observations.rules, before, s, predicate)
-                    .then(TargetMatch::default)
             }
-            Target::Lasts(Timing::Response(task), value) => {
-                some_task(task, &|index| lasts(Timing::Response(index), value))
+            Target::Lasts(of, value) => {
+                lasts(of, value)
+                    || value == 0 && self.observations.is_answered_at_once(before, s, of)
             }
-            Target::Lasts(of, value) => (lasts(of, value)
-                || value == 0 && self.observations.is_answered_at_once(before, s, of))
-            .then(TargetMatch::default),
             Target::Calm(key, dims) => {
                 if enabled.committed || enabled.urgent {
-                    return None;
+                    return false;
                 }
-                let mut s = s.clone();
-                let order = self.observations.reductions.order(&self.observations.rules, &mut s);
                 let mut encoding = Encoded::default();
-                encode(self.observations.rules.frame(), &s, &mut encoding);
-                let same = encoding.key == key && holds(l, &encoding.dims, dims);
-                same.then_some(TargetMatch { task: None, order })
+                encode(l, s, &mut encoding);
+                encoding.key == key && holds(l, &encoding.dims, dims)
             }
-            Target::Deadlock => None,
-        }
-    }
-}
-
-impl Target<'_> {
-    /// Returns the task of the target.
-    fn task(&self) -> Option<usize> {
-        match *self {
-            Target::Goal(goal) => goal.task(),
-            Target::Lasts(timing, _) => timing.task(),
-            Target::Calm(..) | Target::Deadlock => None,
+            Target::Deadlock => false,
         }
     }
 }
