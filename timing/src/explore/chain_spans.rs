@@ -4,11 +4,12 @@ use typed_index_collections::{TiVec, ti_vec};
 
 use super::findings::{Findings, Measured};
 use super::observe::Observers;
-use super::rules::{Rules, SystemRules};
+use super::rules::Rules;
 use super::run::Run;
+use super::search::explore_by;
 use super::spans::{ChainSpans, Spent, Subject, work_of};
 use super::state::{Clocks, Stages, State};
-use super::token::{Tracked, explore_tracked, holders, is_set, without_marks};
+use super::token::{Token, holders, is_set, without_marks};
 use super::watch::{Limits, Watch, Within};
 use crate::cancel::Cancel;
 use crate::property::{Atom, Predicate, TaskState};
@@ -32,10 +33,10 @@ pub fn explore_chain(
         within: vec![Within { trigger: never(), responses: vec![never()], limit }],
         ..Watch::default()
     };
-    let rules = SystemRules::new(system);
-    let mut found = explore_tracked(&rules, chain, &watch, limits, cancel);
+    let rules = Token::rules(system, chain, &Clocks::none(system.tasks.len()));
+    let mut found = explore_by(&rules, &watch, limits, cancel, &mut |_| {});
     if let Some(measurement) = found.within.iter().flatten().next() {
-        found.chain = spans(&rules, chain, measurement);
+        found.chain = spans(system, chain, measurement);
     }
     for measurement in found.within.iter_mut().flatten() {
         without_marks(measurement);
@@ -43,21 +44,21 @@ pub fn explore_chain(
     found
 }
 
-fn spans(rules: &SystemRules, chain: &Chain, measured: &Measured) -> ChainSpans {
+fn spans(system: &TimedSystem, chain: &Chain, measured: &Measured) -> ChainSpans {
     let clocks = Clocks {
         within: vec![Stages { count: 1, measured: true }],
-        ..Clocks::none(rules.system().tasks.len())
+        ..Clocks::none(system.tasks.len())
     };
-    let tracked = Tracked::new(rules, chain, &clocks);
-    let focus = Focus::new(&tracked);
+    let rules = Token::rules(system, chain, &clocks);
+    let focus = Focus::new(&rules, chain);
     let spent = |s: &State| focus.spends(s);
-    let clock = |s: &State| tracked.frame().observer_clock(s, 0);
+    let clock = |s: &State| rules.frame().observer_clock(s, 0);
     let age = |s: &State| clock(s).map_or(0, |clock| u64::from(s.t[clock]));
     let of_run = |run: &Run, age: &dyn Fn(&State) -> u64| {
         if run.left_out {
             Vec::new()
         } else {
-            run.spans(&tracked, &Observers::default(), age, &spent)
+            run.spans(&rules, &Observers::default(), age, &spent)
         }
     };
     let longest = &measured.longest.run;
@@ -70,34 +71,37 @@ fn spans(rules: &SystemRules, chain: &Chain, measured: &Measured) -> ChainSpans 
         Spent::Between(task) => Some(Subject::Job(task)),
         _ => None,
     });
-    let codels = waits.map_or(Vec::new(), |subject| longest.executed_in_cycle(&tracked, subject));
+    let codels = waits.map_or(Vec::new(), |subject| longest.executed_in_cycle(&rules, subject));
     ChainSpans { late: of_run(late, &age), cycle, codels }
 }
 
 /// Finds the codel that the measured datum waits for.
-struct Focus<'t, 'c, 's> {
-    tracked: &'t Tracked<'c, 's>,
+struct Focus<'r> {
+    rules: &'r Rules<'r>,
+    chain: &'r Chain,
     /// The number of codels after each codel on the shortest path to the last datum.
     after: TiVec<CodelId, usize>,
     subjects: TiVec<CodelId, Option<Subject>>,
 }
 
-impl<'t, 'c, 's> Focus<'t, 'c, 's> {
-    fn new(tracked: &'t Tracked<'c, 's>) -> Self {
-        let system = tracked.system();
+impl<'r> Focus<'r> {
+    fn new(rules: &'r Rules<'r>, chain: &'r Chain) -> Self {
+        let system = rules.system();
         let subject = |codel: CodelId| Subject::of_codel(system, codel);
         Focus {
-            after: codels_after(tracked.chain),
+            after: codels_after(chain),
             subjects: system.codels.keys().map(subject).collect(),
-            tracked,
+            rules,
+            chain,
         }
     }
 
     fn spends(&self, s: &State) -> Spent {
-        let (tracked, chain) = (self.tracked, self.tracked.chain);
-        let holders = holders(&tracked.rules);
+        let Focus { rules, chain, .. } = *self;
+        let Some(token) = &rules.token else { return Spent::Nothing };
+        let holders = holders(rules);
         let marked = |place: DataPlace| {
-            let held = |holder: usize| is_set(s, tracked.marked_place(place, holder));
+            let held = |holder: usize| is_set(s, token.marked_place(place, holder));
             match place {
                 DataPlace::Shared(_) => held(0),
                 DataPlace::Local(_) => (0..holders).any(held),
@@ -112,11 +116,11 @@ impl<'t, 'c, 's> Focus<'t, 'c, 's> {
             let writers = chain.writes.iter_enumerated().filter(|pair| pair.1.contains(&oldest));
             return self.of_codel(writers.map(|pair| pair.0).next(), s);
         }
-        let carriers = (0..tracked.executors)
-            .filter(|&executor| is_set(s, tracked.marked_executor(executor)))
-            .filter_map(|executor| Some((executor, tracked.codel(s, executor)?.0)));
+        let carriers = (0..token.executors)
+            .filter(|&executor| is_set(s, token.marked_executor(executor)))
+            .filter_map(|executor| Some((executor, token.codel(rules, s, executor)?.0)));
         if let Some((executor, codel)) = carriers.min_by_key(|pair| self.after[pair.1]) {
-            return work_of(tracked, s, executor, codel);
+            return work_of(rules, s, executor, codel);
         }
         let readers = chain.reads.iter_enumerated().filter(|(codel, reads)| {
             chain.carries[*codel] && reads.iter().any(|&place| marked(place))
@@ -126,7 +130,7 @@ impl<'t, 'c, 's> Focus<'t, 'c, 's> {
 
     /// Returns the number of codels from a place to the last datum; 0 if there is no path.
     fn distance(&self, place: DataPlace) -> usize {
-        let chain = self.tracked.chain;
+        let chain = self.chain;
         if place == DataPlace::Shared(chain.last) {
             return 0;
         }
@@ -139,7 +143,7 @@ impl<'t, 'c, 's> Focus<'t, 'c, 's> {
 
     fn of_codel(&self, codel: Option<CodelId>, s: &State) -> Spent {
         let subject = codel.and_then(|codel| self.subjects[codel]);
-        subject.map_or(Spent::Nothing, |subject| subject.spends(self.tracked, s))
+        subject.map_or(Spent::Nothing, |subject| subject.spends(self.rules, s))
     }
 }
 

@@ -1,6 +1,6 @@
 //! The continuation of a run by chosen steps.
 
-use super::rules::{Action, Enabled, Moment, Rules, SystemRules};
+use super::rules::{Action, Enabled, Moment, Rules};
 use super::run::{Run, advance};
 use super::state::State;
 use crate::system::{Ticks, TimedSystem};
@@ -31,19 +31,19 @@ impl Run {
     /// Continues the first `steps` steps of a run of a system. Each choice is an index into the list of next
     /// steps at that point; the first one that is beyond its list ends the continuation.
     pub fn continued(&self, system: &TimedSystem, steps: usize, choices: &[usize]) -> Continued {
-        continued(&SystemRules::new(system), self, steps, choices)
+        continued(&Rules::new(system), self, steps, choices)
     }
 }
 
 /// A run that is being continued.
-struct Walk<'r, R> {
-    rules: &'r R,
+struct Walk<'r> {
+    rules: &'r Rules<'r>,
     s: State,
     run: Run,
     enabled: Enabled,
 }
 
-fn continued<R: Rules>(rules: &R, run: &Run, steps: usize, choices: &[usize]) -> Continued {
+fn continued(rules: &Rules, run: &Run, steps: usize, choices: &[usize]) -> Continued {
     let steps = run.steps[..steps.min(run.steps.len())].to_vec();
     let mut walk =
         Walk { rules, s: rules.initial(), enabled: Enabled::default(), run: Run::default() };
@@ -77,7 +77,7 @@ fn continued<R: Rules>(rules: &R, run: &Run, steps: usize, choices: &[usize]) ->
     }
 }
 
-impl<R: Rules> Walk<'_, R> {
+impl Walk<'_> {
     fn perform(&mut self, action: Action) {
         self.rules.apply(&mut self.s, action);
         self.run.steps.push((self.run.end, action));

@@ -1,6 +1,6 @@
 //! What the last job of a task in a run did, codel by codel.
 
-use super::rules::{Action, Rules, SystemRules, Work};
+use super::rules::{Action, Rules, Work};
 use super::run::{Run, advance};
 use super::state::{Clocks, State, TaskStatus};
 use crate::system::{CodelId, TaskId, Ticks, TimedSystem};
@@ -42,7 +42,7 @@ impl Run {
         let period = system.tasks[task].period.filter(|_| deadline);
         let task = usize::from(task);
         let clocks = Clocks { response: vec![true; system.tasks.len()], ..Clocks::default() };
-        let rules = SystemRules::new(system).with_clocks(&clocks);
+        let rules = Rules::new(system).with_clocks(&clocks);
         let clock = rules.frame().response[task]?;
         let mut s = rules.initial();
         let mut works: Vec<JobWork> = Vec::new();
@@ -94,7 +94,7 @@ impl Run {
 }
 
 /// The codel of a task that an executor executes. Executors are tasks, or with jobs their activities.
-fn codel_of<R: Rules>(rules: &R, s: &State, executor: usize, of: usize) -> Option<CodelId> {
+fn codel_of(rules: &Rules, s: &State, executor: usize, of: usize) -> Option<CodelId> {
     match rules.work(s, executor)? {
         Work::State { codel, task, .. } if task == of => {
             rules.frame().is_executing(s, executor).then_some(codel)

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use rustc_hash::FxHashMap;
 
 use super::observe::{self, Observer, Observers};
-use super::rules::{Action, Enabled, Rules, SystemRules};
+use super::rules::{Action, Enabled, Rules};
 use super::run::Run;
 use super::state::{Clocks, Stages, State};
 use super::store::{Encoded, decode, encode};
@@ -46,10 +46,10 @@ pub fn liveness(
     limits: Limits,
     cancel: &Cancel,
 ) -> Liveness {
-    decide(&SystemRules::new(system), query, limits, cancel)
+    decide(&Rules::new(system), query, limits, cancel)
 }
 
-fn decide<R: Rules>(rules: &R, query: &LivenessQuery, limits: Limits, cancel: &Cancel) -> Liveness {
+fn decide(rules: &Rules, query: &LivenessQuery, limits: Limits, cancel: &Cancel) -> Liveness {
     let clocks = Clocks {
         within: vec![Stages { count: 1, measured: false }],
         ..Clocks::none(rules.system().tasks.len())
@@ -73,8 +73,8 @@ fn decide<R: Rules>(rules: &R, query: &LivenessQuery, limits: Limits, cancel: &C
 /// Number of states between two polls of the limits.
 const STEPS_PER_POLL: usize = 64;
 
-struct Graph<'a, R> {
-    rules: R,
+struct Graph<'a> {
+    rules: Rules<'a>,
     observers: Observers,
     /// Nothing matters after the first answer.
     once: bool,
@@ -96,7 +96,7 @@ struct Visit {
     time: u64,
 }
 
-impl<R: Rules> Graph<'_, R> {
+impl Graph<'_> {
     fn search(&self) -> Liveness {
         let mut visits: Vec<Visit> = Vec::new();
         let mut ids: FxHashMap<Rc<Encoded>, u32> = FxHashMap::default();
@@ -270,7 +270,7 @@ fn weight(encoding: &Encoded) -> usize {
     own + counts + index + 2 * (size_of::<Visit>() + list)
 }
 
-impl<R: Rules> Graph<'_, R> {
+impl Graph<'_> {
     /// Returns a cycle through states that are all `open`.
     fn cycle(&self, successors: &[Vec<u32>], open: &[bool]) -> Option<Vec<u32>> {
         // Depth-first search with colours: a back edge closes a cycle.

@@ -38,7 +38,7 @@ impl Timing {
 
     /// Returns the present age of the measured obligation in base units, the number of obligations of that
     /// age, and if a measured job has its core.
-    pub(super) fn age<R: Rules>(self, rules: &R, s: &State) -> (Ticks, usize, bool) {
+    pub(super) fn age(self, rules: &Rules, s: &State) -> (Ticks, usize, bool) {
         let l = rules.frame();
         let clock = self.clock(l, s);
         let has_core = match self {
@@ -49,7 +49,7 @@ impl Timing {
     }
 
     /// Returns true if the measurement runs in a state.
-    pub(super) fn runs<R: Rules>(self, rules: &R, s: &State) -> bool {
+    pub(super) fn runs(self, rules: &Rules, s: &State) -> bool {
         match self {
             Timing::Response(task) => rules.job(s, task) != TaskStatus::Idle,
             Timing::Within(observer) => rules.frame().is_open(s, observer),

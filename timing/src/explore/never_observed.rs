@@ -46,7 +46,7 @@ impl NeverObserved {
     }
 
     /// Removes the subjects that occur in a state.
-    pub(super) fn look<R: Rules>(&mut self, rules: &R, s: &State) {
+    pub(super) fn look(&mut self, rules: &Rules, s: &State) {
         self.jobs.retain(|job| rules.job(s, usize::from(job.task)) == TaskStatus::Idle);
         for job in &mut self.jobs {
             let now = rules.awaits_start_up(s, job.task);

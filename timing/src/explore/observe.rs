@@ -40,8 +40,8 @@ impl Observers {
 }
 
 /// Evaluates a predicate in a state entered from `before` (`None`: the initial state).
-pub(crate) fn predicate<R: Rules>(
-    rules: &R,
+pub(crate) fn predicate(
+    rules: &Rules,
     before: Option<&State>,
     now: &State,
     predicate: &Predicate,
@@ -55,8 +55,8 @@ pub(crate) fn predicate<R: Rules>(
 }
 
 /// Opens and closes the obligations of observers after a step, and moves the monitors.
-pub(crate) fn observe<R: Rules>(
-    rules: &R,
+pub(crate) fn observe(
+    rules: &Rules,
     observers: &Observers,
     before: Option<&State>,
     now: &mut State,
@@ -70,8 +70,8 @@ pub(crate) fn observe<R: Rules>(
 /// Among obligations at the same stage, only the oldest is kept: the event that meets it meets the others as
 /// well. An obligation at a later stage is older than one at an earlier stage, because the event that
 /// advanced it would have advanced the younger one, too.
-pub(crate) fn observe_with_reports<R: Rules>(
-    rules: &R,
+pub(crate) fn observe_with_reports(
+    rules: &Rules,
     observers: &Observers,
     before: Option<&State>,
     now: &mut State,
@@ -117,8 +117,8 @@ pub(crate) fn observe_with_reports<R: Rules>(
 }
 
 /// Moves a monitor after a step.
-fn move_monitor<R: Rules>(
-    rules: &R,
+fn move_monitor(
+    rules: &Rules,
     (number, monitor): (usize, &Monitor),
     before: Option<&State>,
     now: &mut State,

@@ -18,13 +18,12 @@ mod sleep_sets;
 
 use smallvec::SmallVec;
 
+pub(crate) use self::all::Reductions;
 use self::facts::Facts;
 pub use self::kind::{Activity, Kind, Kinds, Reason};
-use super::rules::{Action, Enabled, Rules, SystemRules};
-use super::state::State;
-use super::store::Encoded;
+use super::rules::Rules;
 use crate::property::Predicate;
-use crate::system::{AutomatonId, Ticks, TimedSystem};
+use crate::system::{AutomatonId, TimedSystem};
 
 /// A sleep set: the actions held back for now. Executors from bit 0 on, ticks from bit 64 on.
 pub(crate) type SleepSet = u128;
@@ -39,7 +38,7 @@ pub(crate) struct Watched<'a> {
 
 /// The input of a reduction's examination.
 pub(crate) struct Setting<'a> {
-    pub(crate) rules: &'a SystemRules<'a>,
+    pub(crate) rules: &'a Rules<'a>,
     pub(super) asked: &'a Watched<'a>,
     /// Known facts about the system.
     pub(super) facts: &'a Facts,
@@ -68,61 +67,13 @@ pub(crate) trait Reduction: Sized {
     fn examine(setting: &Setting, notes: &mut Vec<Activity>) -> Option<Self> {
         let result = if setting.without.contains(Self::KIND) {
             Err(Reason::SwitchedOff)
+        } else if setting.rules.token.is_some() {
+            Err(Reason::Chain)
         } else {
             Self::applies(setting)
         };
         notes.push(Activity { kind: Self::KIND, off: result.as_ref().err().copied() });
         result.ok()
-    }
-}
-
-/// The reductions of a search, as far as they apply to one system and its watched properties.
-pub(crate) trait Reductions<R: Rules>: Sized {
-    /// Examines a system. The reductions in `without` are switched off.
-    fn new(rules: &R, asked: &Watched, without: Kinds) -> Self;
-
-    /// Returns the reductions used, and the reasons against the others.
-    fn activities(&self) -> &[Activity];
-
-    /// Writes the actions to follow in a state: a persistent set, with which all calm states of this moment
-    /// are still reached, or all enabled actions.
-    fn persistent(&self, rules: &R, s: &State, enabled: &Enabled, out: &mut Vec<Action>);
-
-    /// Writes the actions to follow in a state in which some actions are held back, each with the actions
-    /// that it holds back. `first` is scratch memory.
-    fn follow(
-        &self,
-        rules: &R,
-        at: (&State, SleepSet),
-        enabled: &Enabled,
-        first: &mut Vec<Action>,
-        out: &mut Vec<(Action, SleepSet)>,
-    );
-
-    /// Returns the actions still held back after an action that led from `before` to `s`.
-    fn sleep_set_after(
-        &self,
-        rules: &R,
-        before: &State,
-        action: Action,
-        s: &State,
-        held: SleepSet,
-    ) -> SleepSet;
-
-    /// Returns the executors whose ends can be postponed in a calm state, if there are any.
-    fn waiters(&self, rules: &R, s: &State) -> Option<Deferrable>;
-
-    /// Calls `found` with calm states that a calm state reaches by ends that can be postponed, and that need
-    /// not be kept. Subtracts the number of examined states from the budget.
-    fn closure(&self, rules: &R, s: &State, budget: &mut usize, found: impl FnMut(&Encoded));
-
-    /// Returns the time until the next moment to examine after a calm state, in base units. `None`: never.
-    fn next_moment(&self, rules: &R, s: &State) -> Option<Ticks> {
-        let waiters = self.waiters(rules, s);
-        rules.next_moment(s, &|executor| {
-            let waits = waiters.as_ref();
-            waits.is_some_and(|wait| wait.can_be_deferred(rules.system(), executor))
-        })
     }
 }
 
@@ -146,52 +97,4 @@ impl Deferrable {
         };
         self.members[member]
     }
-}
-
-/// Rules with reductions.
-pub(crate) trait Reduced: Rules {
-    /// The reductions that are sound for the rules.
-    type Reductions: Reductions<Self>;
-}
-
-/// No reductions, for searches that follow data: nothing is left out.
-#[derive(Debug)]
-pub(crate) struct NoReductions(Vec<Activity>);
-
-impl<R: Rules> Reductions<R> for NoReductions {
-    fn new(_: &R, _: &Watched, _: Kinds) -> Self {
-        let off = |kind| Activity { kind, off: Some(Reason::Chain) };
-        let kinds = [Kind::PersistentSets, Kind::SleepSets, Kind::Deferral, Kind::RestingLoops];
-        NoReductions(kinds.into_iter().map(off).collect())
-    }
-
-    fn activities(&self) -> &[Activity] {
-        &self.0
-    }
-
-    fn persistent(&self, _: &R, _: &State, enabled: &Enabled, out: &mut Vec<Action>) {
-        out.clone_from(&enabled.actions);
-    }
-
-    fn follow(
-        &self,
-        _: &R,
-        (_, held): (&State, SleepSet),
-        enabled: &Enabled,
-        _: &mut Vec<Action>,
-        out: &mut Vec<(Action, SleepSet)>,
-    ) {
-        out.clear();
-        out.extend(enabled.actions.iter().map(|&action| (action, held)));
-    }
-
-    fn sleep_set_after(&self, _: &R, _: &State, _: Action, _: &State, _: SleepSet) -> SleepSet {
-        0
-    }
-
-    fn waiters(&self, _: &R, _: &State) -> Option<Deferrable> {
-        None
-    }
-
-    fn closure(&self, _: &R, _: &State, _: &mut usize, _: impl FnMut(&Encoded)) {}
 }

@@ -1,6 +1,6 @@
 //! The rules: a single step of the timed system.
 //!
-//! There is one set of rules, [`SystemRules`], for every reading of the points of the semantics: sections
+//! There is one set of rules, [`Rules`], for every reading of the points of the semantics: sections
 //! 3 to 9, 21 and 22 of the timed semantics. Strategies (`search`), goals and the store of states are
 //! written against the trait [`Rules`]: a chain adds a token to the rules (`explore::token`).
 //!
@@ -69,13 +69,9 @@ mod time;
 mod work;
 
 pub use self::moment::{Moment, MomentKind};
-pub(crate) use self::system_rules::SystemRules;
+pub(crate) use self::system_rules::Rules;
 pub use self::work::{IdleTurn, Work};
-use super::state::{Clocks, Frame, State, TaskStatus};
-use crate::property::Atom;
-use crate::system::{
-    AutomatonId, ClientId, CodelId, ComponentId, ServiceId, TaskId, Ticks, TimedSystem,
-};
+use crate::system::{ClientId, ComponentId};
 
 /// An action: an event that takes no time. Executors are numbered: automata, then the control tasks of
 /// components, then clients. (With passes there are tasks instead of automata.)
@@ -171,107 +167,4 @@ impl Enabled {
     pub(crate) fn is_calm(&self) -> bool {
         !self.urgent && !self.forced
     }
-}
-
-/// A set of rules, applied to one system. The [module](self) contains its contract.
-pub(crate) trait Rules: Sized {
-    /// Returns the same rules for the same system, with clocks for measured times.
-    fn with_clocks(&self, clocks: &Clocks) -> Self;
-
-    fn system(&self) -> &TimedSystem;
-
-    /// Returns the places of the common parts of a state.
-    fn frame(&self) -> &Frame;
-
-    // ---- Steps -----------------------------------------------------------------------------
-
-    /// Returns the state at time 0, before any action.
-    fn initial(&self) -> State;
-
-    /// Lists the actions of a state.
-    fn enabled(&self, s: &State, out: &mut Enabled);
-
-    /// Performs an action that is enabled.
-    fn apply(&self, s: &mut State, action: Action);
-
-    /// Returns the time after a calm state for which no state needs to be examined, in base units: until the
-    /// next moment at which an action may become possible or, for executors whose end `can_be_deferred`, must
-    /// happen. `None`: for ever.
-    fn next_moment(&self, s: &State, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks>;
-
-    /// Lets time pass, at most until the next moment.
-    fn elapse(&self, s: &mut State, time: Ticks);
-
-    /// Returns true if time brings an executor nearer to the end of its work.
-    fn progresses(&self, _s: &State, _executor: usize) -> bool {
-        true
-    }
-
-    // ---- Observation -----------------------------------------------------------------------
-
-    fn job(&self, s: &State, task: usize) -> TaskStatus;
-
-    /// Returns the task whose start-up a task awaits before its first job: an earlier one of its component,
-    /// or itself. `None`: the start-up is over.
-    fn awaits_start_up(&self, s: &State, task: TaskId) -> Option<TaskId>;
-
-    /// Returns true if a tick of a task has come before its job has ended.
-    fn missed(&self, s: &State, task: usize) -> bool;
-
-    /// Returns true if a job waits for a core for at least the period of its task. The response time of the
-    /// task must be measured.
-    fn overdue(&self, s: &State, task: usize) -> bool {
-        let (period, clock) =
-            (self.system().tasks[TaskId::from(task)].period, self.frame().response[task]);
-        let (Some(period), Some(clock)) = (period, clock) else {
-            return false;
-        };
-        self.job(s, task) == TaskStatus::Waiting && s.t[clock] >= period
-    }
-
-    /// Returns true if a task may begin to wait for a core with an action.
-    fn may_begin_to_wait(&self, action: Action, task: usize) -> bool {
-        action == Action::Release { task }
-    }
-
-    /// Returns the value of an atom of a predicate.
-    fn atom(&self, s: &State, atom: &Atom) -> bool;
-
-    /// Returns the codel that keeps an executor waiting for its locks.
-    fn lock_holder(&self, s: &State, executor: usize) -> Option<CodelId>;
-
-    /// Returns true if [`Rules::apply`] ever refused a request for a service for lack of a slot.
-    fn has_refused(&self, service: ServiceId) -> bool;
-
-    /// Returns true if two waiting instances of a service ever interrupted each other in [`Rules::apply`].
-    fn has_ended_restarts(&self, _service: ServiceId) -> bool {
-        false
-    }
-
-    /// Returns the task of an action; `None` for actions of control tasks and clients.
-    fn task_of(&self, action: Action) -> Option<usize>;
-
-    /// Returns the least and greatest time of an executor's work, in base units.
-    fn duration(&self, s: &State, executor: usize) -> (Ticks, Ticks);
-
-    /// Returns the work of an executor: a codel for which it takes a ticket, waits or executes, or a delay.
-    /// `None` if there is none.
-    fn work(&self, s: &State, executor: usize) -> Option<Work>;
-
-    /// Returns the number of places for activities, including permanent activities. They are numbered as in
-    /// [`Work::State`].
-    fn places(&self) -> usize;
-
-    /// Returns the automaton of the activity in a place: accepted, running, or ended and not yet reported.
-    fn activity(&self, s: &State, place: usize) -> Option<AutomatonId>;
-
-    /// Returns an action in words. The action led from the first state to the second. `None`: the initial
-    /// state.
-    fn tell(
-        &self,
-        change: (&State, &State),
-        action: Option<Action>,
-        time: u64,
-        out: &mut Vec<Moment>,
-    );
 }

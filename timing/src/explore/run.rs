@@ -6,7 +6,7 @@ use rustc_hash::FxHashMap;
 
 use super::observe::{self, Observers};
 use super::rules::Moment;
-use super::rules::{Action, Enabled, Rules, SystemRules};
+use super::rules::{Action, Enabled, Rules};
 use super::state::State;
 use crate::cancel::Cancel;
 use crate::system::{FOREVER, Ticks, TimedSystem};
@@ -44,9 +44,9 @@ impl Run {
     /// passes, except for observation clocks: the part between them can be repeated for ever. `age` returns
     /// the age of the measured obligation in a state, the number of obligations of that age, and if a
     /// measured job has its core. An obligation of the same age may take its place, but not for ever.
-    pub(in crate::explore) fn repetition<R: Rules>(
+    pub(in crate::explore) fn repetition(
         &self,
-        rules: &R,
+        rules: &Rules,
         (observers, recent): (&Observers, Ticks),
         age: &dyn Fn(&State) -> (Ticks, usize, bool),
         cancel: &Cancel,
@@ -123,9 +123,9 @@ impl Run {
 
     /// Calls `calm` before every unit of time that passes, with the state, the time, and the start times of
     /// executors. Ends when `calm` returns false.
-    fn replay<R: Rules>(
+    fn replay(
         &self,
-        rules: &R,
+        rules: &Rules,
         observers: &Observers,
         mut calm: impl FnMut(u64, &State, &[u64]) -> bool,
     ) {
@@ -162,7 +162,7 @@ impl Run {
     /// Returns the first step whose action is not possible at its time; `None` if the run is one of the
     /// system.
     pub fn impossible_step(&self, system: &TimedSystem) -> Option<usize> {
-        impossible_step(&SystemRules::new(system), self)
+        impossible_step(&Rules::new(system), self)
     }
 
     /// Returns the run in words.
@@ -172,11 +172,11 @@ impl Run {
 
     /// Returns the run in words, and the number of moments before the first step and after each step.
     pub(crate) fn moments_by_step(&self, system: &TimedSystem) -> (Vec<Moment>, Vec<usize>) {
-        told(&SystemRules::new(system), self)
+        told(&Rules::new(system), self)
     }
 }
 
-fn impossible_step<R: Rules>(rules: &R, run: &Run) -> Option<usize> {
+fn impossible_step(rules: &Rules, run: &Run) -> Option<usize> {
     let mut s = rules.initial();
     let mut enabled = Enabled::default();
     let mut now = 0;
@@ -195,7 +195,7 @@ fn impossible_step<R: Rules>(rules: &R, run: &Run) -> Option<usize> {
     None
 }
 
-fn told<R: Rules>(rules: &R, run: &Run) -> (Vec<Moment>, Vec<usize>) {
+fn told(rules: &Rules, run: &Run) -> (Vec<Moment>, Vec<usize>) {
     let mut s = rules.initial();
     let mut out = Vec::new();
     rules.tell((&rules.frame().blank(), &s), None, 0, &mut out);
@@ -219,7 +219,7 @@ fn told<R: Rules>(rules: &R, run: &Run) -> (Vec<Moment>, Vec<usize>) {
 }
 
 /// Lets time pass although windows may end early: only the outcome of executions matters here.
-pub(super) fn advance<R: Rules>(rules: &R, s: &mut State, time: Ticks) {
+pub(super) fn advance(rules: &Rules, s: &mut State, time: Ticks) {
     let l = rules.frame();
     for e in 0..l.executors() {
         let (a, b) = l.window(s, e);
@@ -230,8 +230,8 @@ pub(super) fn advance<R: Rules>(rules: &R, s: &mut State, time: Ticks) {
     rules.elapse(s, time);
 }
 
-fn began_in_step<R: Rules>(
-    rules: &R,
+fn began_in_step(
+    rules: &Rules,
     before: &State,
     after: &State,
     action: Action,

@@ -19,8 +19,7 @@ use self::layers::Layers;
 pub use self::walks::{Walked, bytes_of_walks, walk};
 use super::findings::Findings;
 use super::measure::{Gauge, MeasurementMode, Timing};
-use super::reductions::Reduced;
-use super::rules::SystemRules;
+use super::rules::Rules;
 use super::watch::{Limits, Stop, Watch};
 use crate::cancel::Cancel;
 use crate::system::TimedSystem;
@@ -39,11 +38,11 @@ pub fn explore_with_reports(
     cancel: &Cancel,
     news: &mut dyn FnMut(&Findings),
 ) -> Findings {
-    explore_by(&SystemRules::new(system), watch, limits, cancel, news)
+    explore_by(&Rules::new(system), watch, limits, cancel, news)
 }
 
-pub(super) fn explore_by<R: Reduced>(
-    rules: &R,
+pub(super) fn explore_by(
+    rules: &Rules,
     watch: &Watch,
     limits: Limits,
     cancel: &Cancel,
@@ -78,8 +77,8 @@ pub(super) fn explore_by<R: Reduced>(
 }
 
 /// Explores, and starts again without measurements that diverge.
-fn until_measured<R: Reduced>(
-    rules: &R,
+fn until_measured(
+    rules: &Rules,
     watch: &Watch,
     gauges: &mut [Gauge],
     limits: Limits,

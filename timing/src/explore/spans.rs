@@ -4,7 +4,7 @@
 use std::cell::Cell;
 
 use super::observe::{self, Observer, Observers};
-use super::rules::{Action, Rules, SystemRules, Work};
+use super::rules::{Action, Rules, Work};
 use super::run::{Run, advance};
 use super::state::{Clocks, Stages, State, TaskStatus};
 use super::watch::Within;
@@ -127,7 +127,7 @@ impl Subject {
     }
 
     /// Returns what the subject does in a state in which time passes.
-    pub(super) fn spends<R: Rules>(self, rules: &R, s: &State) -> Spent {
+    pub(super) fn spends(self, rules: &Rules, s: &State) -> Spent {
         let executing = |is_own: &dyn Fn(Work) -> bool| {
             let own = (0..rules.frame().executors())
                 .filter_map(|executor| Some((executor, rules.work(s, executor)?)))
@@ -167,7 +167,7 @@ impl Subject {
 }
 
 /// Returns what an executor does with a codel.
-pub(super) fn work_of<R: Rules>(rules: &R, s: &State, executor: usize, codel: CodelId) -> Spent {
+pub(super) fn work_of(rules: &Rules, s: &State, executor: usize, codel: CodelId) -> Spent {
     match (rules.frame().is_executing(s, executor), rules.progresses(s, executor)) {
         (false, _) => Spent::Locks { codel, holder: rules.lock_holder(s, executor) },
         (true, true) => Spent::Executes(codel),
@@ -175,7 +175,7 @@ pub(super) fn work_of<R: Rules>(rules: &R, s: &State, executor: usize, codel: Co
     }
 }
 
-fn is_active<R: Rules>(rules: &R, s: &State, service: ServiceId) -> bool {
+fn is_active(rules: &Rules, s: &State, service: ServiceId) -> bool {
     let automata = &rules.system().automata;
     let mut active = (0..rules.places()).filter_map(|place| rules.activity(s, place));
     active.any(|automaton| automata[automaton].service == Some(service))
@@ -184,9 +184,9 @@ fn is_active<R: Rules>(rules: &R, s: &State, service: ServiceId) -> bool {
 impl Run {
     /// Returns the intervals of the last time that the run measures, up to its end. `age` returns that time
     /// in the last state.
-    pub(super) fn spans<R: Rules>(
+    pub(super) fn spans(
         &self,
-        rules: &R,
+        rules: &Rules,
         observers: &Observers,
         age: &dyn Fn(&State) -> u64,
         spent: &dyn Fn(&State) -> Spent,
@@ -240,7 +240,7 @@ impl Run {
             within: vec![Stages { count: within.responses.len(), measured: true }],
             ..Clocks::none(system.tasks.len())
         };
-        let rules = SystemRules::new(system).with_clocks(&clocks);
+        let rules = Rules::new(system).with_clocks(&clocks);
         let (trigger, responses) = (within.trigger.clone(), within.responses.clone());
         let subjects = responses.iter().map(|response| Subject::of_predicate(system, response));
         let subjects: Vec<Option<Subject>> = subjects.collect();
@@ -267,7 +267,7 @@ impl Run {
 
     /// Returns the intervals of the part that repeats for ever, for a response that never comes.
     pub(crate) fn spans_of_cycle(&self, system: &TimedSystem, response: &Predicate) -> Vec<Span> {
-        let rules = SystemRules::new(system);
+        let rules = Rules::new(system);
         let subject = Subject::of_predicate(system, response);
         let spent = |s: &State| subject.map_or(Spent::Nothing, |subject| subject.spends(&rules, s));
         let length = self.length_of_cycle();
@@ -281,13 +281,13 @@ impl Run {
         system: &TimedSystem,
         response: &Predicate,
     ) -> Vec<CodelId> {
-        let rules = SystemRules::new(system);
+        let rules = Rules::new(system);
         let subject = Subject::of_predicate(system, response);
         subject.map_or(Vec::new(), |subject| self.executed_in_cycle(&rules, subject))
     }
 
     /// Returns the codels that a subject executes in the part that repeats for ever.
-    pub(super) fn executed_in_cycle<R: Rules>(&self, rules: &R, subject: Subject) -> Vec<CodelId> {
+    pub(super) fn executed_in_cycle(&self, rules: &Rules, subject: Subject) -> Vec<CodelId> {
         let is_own = |codel: CodelId| subject.executes(rules.system(), codel);
         let (mut s, mut now, mut out) = (rules.initial(), 0, Vec::new());
         for (number, &(time, action)) in self.steps.iter().enumerate() {

@@ -9,7 +9,7 @@ mod seen;
 
 pub use self::seen::Seen;
 use super::observe::{self, Observers};
-use super::rules::{Action, Enabled, IdleTurn, Rules, SystemRules, Work};
+use super::rules::{Action, Enabled, IdleTurn, Rules, Work};
 use super::state::{Clocks, Stages, State, TaskStatus, phase};
 use crate::property::{Monitor, Predicate, monitor};
 use crate::system::{
@@ -55,7 +55,7 @@ impl Possible {
 
 /// A run under way. See the [module](self).
 pub struct Stepper<'s> {
-    rules: SystemRules<'s>,
+    rules: Rules<'s>,
     observers: Observers,
     reach: Vec<Predicate>,
     /// Comparisons of data that change with the next action.
@@ -83,7 +83,7 @@ impl<'s> Stepper<'s> {
             token: 0,
             ends: true,
         };
-        let rules = SystemRules::new(system).with_clocks(&clocks);
+        let rules = Rules::new(system).with_clocks(&clocks);
         let within = watched.within.iter();
         let within = within.map(|(trigger, responses)| (trigger, &**responses));
         Stepper {
@@ -426,6 +426,6 @@ impl std::fmt::Debug for Stepper<'_> {
 }
 
 /// Returns true if what a monitor watches can begin in a state.
-fn opens(rules: &SystemRules, monitor: &Monitor, s: &State) -> bool {
+fn opens(rules: &Rules, monitor: &Monitor, s: &State) -> bool {
     monitor.opening().eval_still(&|atom| rules.atom(s, atom))
 }

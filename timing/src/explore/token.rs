@@ -1,8 +1,8 @@
 //! Cause-effect chains (section 19): one write of the first datum is marked, and the data that depend on it
 //! are followed.
 //!
-//! [`Tracked`] are rules with a *token* in addition to the state of other rules: the places that hold marked
-//! data, and the executors of codels that began with marked data. The marked write is a free choice, offered
+//! Rules with a [`Token`] keep in their states, in addition: the places that hold marked data, and the
+//! executors of codels that began with marked data. The marked write is a free choice, offered
 //! after each write ([`Action::Mark`]). There is one token at a time, so one clock measures it. This module
 //! does not depend on components: a [`Chain`] lists the places that each codel reads and writes.
 //!
@@ -13,21 +13,13 @@
 //! Reductions leave out orders of actions that commute in the system, but not for the token. So all of them
 //! are off.
 
-use super::findings::{Bound, Findings, Measured};
-use super::reductions::{NoReductions, Reduced};
-use super::rules::Moment;
-use super::rules::{Action, Enabled, Rules, SystemRules, Work};
+use super::findings::{Bound, Measured};
+use super::rules::{Action, Enabled, Rules, Work};
 use super::run::Run;
-use super::search::explore_by;
-use super::state::{Clocks, Frame, State, TaskStatus};
-use super::watch::{Limits, Watch};
-use crate::cancel::Cancel;
-use crate::property::Atom;
+use super::state::{Clocks, State};
 use crate::scn::ast::ChainKind;
 use crate::system::chain::{Chain, DataPlace};
-use crate::system::{
-    AutomatonId, CodelId, ComponentId, FOREVER, ServiceId, TaskId, Ticks, TimedSystem,
-};
+use crate::system::{CodelId, ComponentId, FOREVER, Ticks, TimedSystem};
 
 /// Returns the greatest age, in base units, up to which invisible ages are counted. Greater ages would be
 /// unbounded, or nearly so.
@@ -37,18 +29,6 @@ pub(super) fn greatest_age(system: &TimedSystem) -> Ticks {
         .map(|codel| if codel.upper == FOREVER { codel.lower } else { codel.upper });
     let sum = periods.chain(uppers).fold(16, Ticks::saturating_add);
     sum.saturating_mul(32)
-}
-
-pub(super) fn explore_tracked(
-    rules: &SystemRules<'_>,
-    chain: &Chain,
-    watch: &Watch,
-    limits: Limits,
-    cancel: &Cancel,
-) -> Findings {
-    let none = Clocks::none(rules.system().tasks.len());
-    let tracked = Tracked::new(rules, chain, &none);
-    explore_by(&tracked, watch, limits, cancel, &mut |_| {})
 }
 
 /// Removes marks from runs: they are not actions of the system.
@@ -82,9 +62,9 @@ mod status {
 /// Bits of a number of the discrete part.
 const BITS: usize = u16::BITS as usize;
 
-/// Rules with a token.
-pub(super) struct Tracked<'c, 's> {
-    pub(super) rules: SystemRules<'s>,
+/// The token of a chain.
+#[derive(Debug)]
+pub(crate) struct Token<'c> {
     pub(super) chain: &'c Chain,
     /// Place of the token in the discrete part.
     token: usize,
@@ -93,22 +73,20 @@ pub(super) struct Tracked<'c, 's> {
     cap: Ticks,
 }
 
-impl<'c, 's> Tracked<'c, 's> {
-    pub(super) fn new(rules: &SystemRules<'s>, chain: &'c Chain, clocks: &Clocks) -> Self {
-        let executors = rules.frame().executors();
-        let places = chain.shared + chain.locals * holders(rules);
+impl<'c> Token<'c> {
+    /// Returns the rules of a system with a token.
+    pub(super) fn rules(system: &'c TimedSystem, chain: &'c Chain, clocks: &Clocks) -> Rules<'c> {
+        let plain = Rules::with(system, clocks);
+        let executors = plain.frame().executors();
+        let places = chain.shared + chain.locals * holders(&plain);
         let clocks = Clocks {
             token: 1 + 2 * executors.div_ceil(BITS) + places.div_ceil(BITS),
             ..clocks.clone()
         };
-        let rules = rules.with_clocks(&clocks);
-        Tracked {
-            token: rules.frame().token_place(),
-            cap: greatest_age(rules.system()),
-            rules,
-            chain,
-            executors,
-        }
+        let mut rules = Rules::with(system, &clocks);
+        let token = rules.frame().token_place();
+        rules.token = Some(Token { chain, token, executors, cap: greatest_age(system) });
+        rules
     }
 
     fn status(&self, s: &State) -> u16 {
@@ -139,21 +117,26 @@ impl<'c, 's> Tracked<'c, 's> {
 
     /// Returns the present codel of an executor, and the holder of its local variables: the place of an
     /// activity (also of one whose request is handled), or the request itself.
-    pub(super) fn codel(&self, s: &State, executor: usize) -> Option<(CodelId, usize)> {
-        match self.rules.work(s, executor)? {
+    pub(super) fn codel(
+        &self,
+        rules: &Rules,
+        s: &State,
+        executor: usize,
+    ) -> Option<(CodelId, usize)> {
+        match rules.work(s, executor)? {
             Work::State { codel, slot, .. } => Some((codel, slot)),
             Work::Control { codel, service, .. } => {
-                let component = self.rules.system().services[service].component;
-                let given = self.rules.requested_place(s, component);
-                Some((codel, given.unwrap_or_else(|| self.request(component))))
+                let component = rules.system().services[service].component;
+                let given = rules.requested_place(s, component);
+                Some((codel, given.unwrap_or_else(|| self.request(rules, component))))
             }
             Work::Delay { .. } => None,
         }
     }
 
     /// Returns the holder of the variables of the request that the control task of a component handles.
-    fn request(&self, component: ComponentId) -> usize {
-        self.rules.places() + usize::from(component)
+    fn request(&self, rules: &Rules, component: ComponentId) -> usize {
+        rules.places() + usize::from(component)
     }
 
     fn reads_first(&self, codel: CodelId) -> bool {
@@ -162,26 +145,31 @@ impl<'c, 's> Tracked<'c, 's> {
 
     /// Follows the effects of a step on data. `before`: the state before, and the executor whose codel has
     /// ended.
-    fn follow(&self, before: Option<(&State, Option<usize>)>, s: &mut State) {
+    pub(super) fn follow(
+        &self,
+        rules: &Rules,
+        before: Option<(&State, Option<usize>)>,
+        s: &mut State,
+    ) {
         let ended = before.and_then(|(_, ended)| ended);
         if self.status(s) == status::OVER {
             return;
         }
         let mut offered = before.is_none() && self.offers_any_time();
         if let (Some((before, _)), Some(executor)) = (before, ended)
-            && let Some((codel, holder)) = self.codel(before, executor)
-            && self.rules.frame().is_executing(before, executor)
+            && let Some((codel, holder)) = self.codel(rules, before, executor)
+            && rules.frame().is_executing(before, executor)
         {
             offered |= self.write(s, executor, codel, holder);
-            self.hand_over(before, s);
+            self.hand_over(rules, before, s);
         }
         for executor in 0..self.executors {
-            let frame = self.rules.frame();
+            let frame = rules.frame();
             let was = before.is_some_and(|(state, _)| frame.is_executing(state, executor));
             if !frame.is_executing(s, executor) || (was && ended != Some(executor)) {
                 continue;
             }
-            let Some((codel, holder)) = self.codel(s, executor) else {
+            let Some((codel, holder)) = self.codel(rules, s, executor) else {
                 continue;
             };
             set(s, self.fresh(executor), true);
@@ -193,13 +181,13 @@ impl<'c, 's> Tracked<'c, 's> {
             // assumed to have just arrived.
             offered |= self.chain.external && self.reads_first(codel);
         }
-        self.forget_locals(s);
+        self.forget_locals(rules, s);
         if offered && self.status(s) == status::IDLE {
             s.d[self.token] = status::OFFERED;
         } else {
             (0..self.executors).for_each(|executor| set(s, self.fresh(executor), false));
         }
-        self.settle(s);
+        self.settle(rules, s);
     }
 
     fn offers_any_time(&self) -> bool {
@@ -228,20 +216,20 @@ impl<'c, 's> Tracked<'c, 's> {
     }
 
     /// Moves the variables of a request to the activity that gets its place when the request is accepted.
-    fn hand_over(&self, before: &State, s: &mut State) {
+    fn hand_over(&self, rules: &Rules, before: &State, s: &mut State) {
         if self.chain.locals == 0 {
             return;
         }
-        for place in 0..self.rules.places() {
-            let Some(automaton) = self.rules.activity(s, place) else {
+        for place in 0..rules.places() {
+            let Some(automaton) = rules.activity(s, place) else {
                 continue;
             };
-            let is_new = self.rules.activity(before, place).is_none();
-            let system = self.rules.system();
+            let is_new = rules.activity(before, place).is_none();
+            let system = rules.system();
             let Some(service) = system.automata[automaton].service.filter(|_| is_new) else {
                 continue;
             };
-            let request = self.request(system.services[service].component);
+            let request = self.request(rules, system.services[service].component);
             for local in (0..self.chain.locals).map(DataPlace::Local) {
                 let marked = is_set(s, self.marked_place(local, request));
                 set(s, self.marked_place(local, place), marked);
@@ -250,15 +238,14 @@ impl<'c, 's> Tracked<'c, 's> {
     }
 
     /// Clears local variables at the end of their activity or request.
-    fn forget_locals(&self, s: &mut State) {
+    fn forget_locals(&self, rules: &Rules, s: &mut State) {
         if self.chain.locals == 0 || self.status(s) != status::ALIVE {
             return;
         }
-        let free =
-            (0..self.rules.places()).filter(|&index| self.rules.activity(s, index).is_none());
-        let handled = (self.rules.system().components.keys())
-            .filter(|&component| self.rules.handling(s, component).is_none())
-            .map(|component| self.request(component));
+        let free = (0..rules.places()).filter(|&index| rules.activity(s, index).is_none());
+        let handled = (rules.system().components.keys())
+            .filter(|&component| rules.handling(s, component).is_none())
+            .map(|component| self.request(rules, component));
         for holder in free.chain(handled).collect::<Vec<_>>() {
             for local in (0..self.chain.locals).map(DataPlace::Local) {
                 set(s, self.marked_place(local, holder), false);
@@ -267,13 +254,13 @@ impl<'c, 's> Tracked<'c, 's> {
     }
 
     /// Opens and ends the measurement.
-    fn settle(&self, s: &mut State) {
-        let marks = self.token + 1 + self.executors.div_ceil(BITS)..self.end();
+    fn settle(&self, rules: &Rules, s: &mut State) {
+        let marks = self.token + 1 + self.executors.div_ceil(BITS)..self.end(rules);
         if self.status(s) == status::ALIVE && s.d[marks].iter().all(|&number| number == 0) {
             s.d[self.token] = status::OVER;
         }
         if self.status(s) == status::OVER {
-            let token = self.token + 1..self.end();
+            let token = self.token + 1..self.end(rules);
             s.d[token].fill(0);
         }
         let last = self.marked_place(DataPlace::Shared(self.chain.last), 0);
@@ -282,7 +269,7 @@ impl<'c, 's> Tracked<'c, 's> {
                 ChainKind::Reaction => true,
                 ChainKind::Age => is_set(s, last),
             };
-        let frame = self.rules.frame();
+        let frame = rules.frame();
         let stage = frame.stages(0).start;
         frame.set_open_at(s, stage, open);
         if let Some(clock) = frame.stage_clock(stage)
@@ -292,23 +279,23 @@ impl<'c, 's> Tracked<'c, 's> {
         }
     }
 
-    fn end(&self) -> usize {
-        let places = self.chain.shared + self.chain.locals * holders(&self.rules);
+    fn end(&self, rules: &Rules) -> usize {
+        let places = self.chain.shared + self.chain.locals * holders(rules);
         self.token + 1 + 2 * self.executors.div_ceil(BITS) + places.div_ceil(BITS)
     }
 
     /// Returns the executors whose read of the first datum can be marked, if the datum is new at every read.
-    fn readers(&self, s: &State) -> Vec<usize> {
+    fn readers(&self, rules: &Rules, s: &State) -> Vec<usize> {
         let fresh = (0..self.executors).filter(|&executor| is_set(s, self.fresh(executor)));
         let reads = |index: &usize| {
-            let codel = self.codel(s, *index);
+            let codel = self.codel(rules, s, *index);
             codel.is_some_and(|(codel, _)| self.reads_first(codel) && self.chain.carries[codel])
         };
         fresh.filter(reads).collect()
     }
 
     /// Marks the offered datum, or not (`taken` is false).
-    fn mark(&self, s: &mut State, executor: Option<usize>, taken: bool) {
+    fn mark(&self, rules: &Rules, s: &mut State, executor: Option<usize>, taken: bool) {
         s.d[self.token] = if taken { status::ALIVE } else { status::IDLE };
         if taken {
             match (self.chain.external, executor) {
@@ -316,7 +303,7 @@ impl<'c, 's> Tracked<'c, 's> {
                 (external, _) => {
                     set(s, self.marked_place(DataPlace::Shared(self.chain.first), 0), true);
                     // An executor that began by the same step sees the written datum.
-                    let seen = if external { Vec::new() } else { self.readers(s) };
+                    let seen = if external { Vec::new() } else { self.readers(rules, s) };
                     for executor in seen {
                         set(s, self.marked_executor(executor), true);
                     }
@@ -324,13 +311,69 @@ impl<'c, 's> Tracked<'c, 's> {
             }
         }
         (0..self.executors).for_each(|executor| set(s, self.fresh(executor), false));
-        self.settle(s);
+        self.settle(rules, s);
+    }
+
+    /// Returns true if no further event is of interest.
+    pub(super) fn is_over(&self, s: &State) -> bool {
+        self.status(s) == status::OVER
+    }
+
+    /// Lists the actions of a state, unless they are those of the system: returns true then.
+    pub(super) fn enabled(&self, rules: &Rules, s: &State, out: &mut Enabled) -> bool {
+        match self.status(s) {
+            status::OFFERED => {
+                out.actions.clear();
+                (out.urgent, out.committed, out.forced) = (true, true, false);
+                let mark = |executor, taken| Action::Mark { executor, taken };
+                out.actions.push(mark(None, false));
+                if self.chain.external && self.chain.kind == ChainKind::Age {
+                    let readers = self.readers(rules, s).into_iter();
+                    out.actions.extend(readers.map(|reader| mark(Some(reader), true)));
+                } else {
+                    out.actions.push(mark(None, true));
+                }
+                false
+            }
+            status::OVER => {
+                out.actions.clear();
+                (out.urgent, out.committed, out.forced) = (false, false, false);
+                false
+            }
+            _ => true,
+        }
+    }
+
+    /// Performs an action, and follows its effects on data.
+    pub(super) fn apply(&self, rules: &Rules, s: &mut State, action: Action) {
+        if let Action::Mark { executor, taken } = action {
+            return self.mark(rules, s, executor, taken);
+        }
+        let before = s.clone();
+        rules.act(s, action);
+        let ended = match action {
+            Action::Finish { executor, .. } => Some(executor),
+            _ => None,
+        };
+        self.follow(rules, Some((&before, ended)), s);
+    }
+
+    /// Lets time pass for an age that is not visible.
+    pub(super) fn elapse(&self, rules: &Rules, s: &mut State, time: Ticks) {
+        let frame = rules.frame();
+        let stage = frame.stages(0).start;
+        if let Some(clock) = frame.stage_clock(stage)
+            && self.status(s) == status::ALIVE
+            && !frame.is_open_at(s, stage)
+        {
+            s.t[clock] = s.t[clock].saturating_add(time).min(self.cap);
+        }
     }
 }
 
 /// Returns the number of holders of local variables: the places of activities, and the request that each
 /// control task handles.
-pub(super) fn holders(rules: &SystemRules) -> usize {
+pub(super) fn holders(rules: &Rules) -> usize {
     rules.places() + rules.system().components.len()
 }
 
@@ -340,158 +383,6 @@ pub(super) fn is_set(s: &State, (word, bit): (usize, u16)) -> bool {
 
 fn set(s: &mut State, (word, bit): (usize, u16), value: bool) {
     if value { s.d[word] |= bit } else { s.d[word] &= !bit }
-}
-
-impl Reduced for Tracked<'_, '_> {
-    type Reductions = NoReductions;
-}
-
-impl Rules for Tracked<'_, '_> {
-    fn with_clocks(&self, clocks: &Clocks) -> Self {
-        Tracked::new(&self.rules, self.chain, clocks)
-    }
-
-    fn system(&self) -> &TimedSystem {
-        self.rules.system()
-    }
-
-    fn frame(&self) -> &Frame {
-        self.rules.frame()
-    }
-
-    fn lock_holder(&self, s: &State, executor: usize) -> Option<CodelId> {
-        self.rules.lock_holder(s, executor)
-    }
-
-    fn initial(&self) -> State {
-        let mut s = self.rules.initial();
-        self.follow(None, &mut s);
-        s
-    }
-
-    fn enabled(&self, s: &State, out: &mut Enabled) {
-        match self.status(s) {
-            status::OFFERED => {
-                out.actions.clear();
-                out.urgent = true;
-                out.committed = true;
-                out.forced = false;
-                let mark = |executor, taken| Action::Mark { executor, taken };
-                out.actions.push(mark(None, false));
-                if self.chain.external && self.chain.kind == ChainKind::Age {
-                    let readers = self.readers(s).into_iter();
-                    out.actions.extend(readers.map(|reader| mark(Some(reader), true)));
-                } else {
-                    out.actions.push(mark(None, true));
-                }
-            }
-            // No further event is of interest.
-            status::OVER => {
-                out.actions.clear();
-                (out.urgent, out.committed, out.forced) = (false, false, false);
-            }
-            _ => self.rules.enabled(s, out),
-        }
-    }
-
-    fn apply(&self, s: &mut State, action: Action) {
-        if let Action::Mark { executor, taken } = action {
-            return self.mark(s, executor, taken);
-        }
-        let before = s.clone();
-        self.rules.apply(s, action);
-        let ended = match action {
-            Action::Finish { executor, .. } => Some(executor),
-            _ => None,
-        };
-        self.follow(Some((&before, ended)), s);
-    }
-
-    fn next_moment(&self, s: &State, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks> {
-        match self.status(s) {
-            status::OVER => None,
-            _ => self.rules.next_moment(s, can_be_deferred),
-        }
-    }
-
-    fn elapse(&self, s: &mut State, time: Ticks) {
-        self.rules.elapse(s, time);
-        let frame = self.rules.frame();
-        let stage = frame.stages(0).start;
-        if let Some(clock) = frame.stage_clock(stage)
-            && self.status(s) == status::ALIVE
-            && !frame.is_open_at(s, stage)
-        {
-            s.t[clock] = s.t[clock].saturating_add(time).min(self.cap);
-        }
-    }
-
-    fn progresses(&self, s: &State, executor: usize) -> bool {
-        self.rules.progresses(s, executor)
-    }
-
-    fn job(&self, s: &State, task: usize) -> TaskStatus {
-        self.rules.job(s, task)
-    }
-
-    fn awaits_start_up(&self, s: &State, task: TaskId) -> Option<TaskId> {
-        self.rules.awaits_start_up(s, task)
-    }
-
-    fn missed(&self, s: &State, task: usize) -> bool {
-        self.rules.missed(s, task)
-    }
-
-    fn may_begin_to_wait(&self, action: Action, task: usize) -> bool {
-        self.rules.may_begin_to_wait(action, task)
-    }
-
-    fn atom(&self, s: &State, atom: &Atom) -> bool {
-        self.rules.atom(s, atom)
-    }
-
-    fn has_refused(&self, service: ServiceId) -> bool {
-        self.rules.has_refused(service)
-    }
-
-    fn has_ended_restarts(&self, service: ServiceId) -> bool {
-        self.rules.has_ended_restarts(service)
-    }
-
-    fn task_of(&self, action: Action) -> Option<usize> {
-        match action {
-            Action::Mark { .. } => None,
-            _ => self.rules.task_of(action),
-        }
-    }
-
-    fn duration(&self, s: &State, executor: usize) -> (Ticks, Ticks) {
-        self.rules.duration(s, executor)
-    }
-
-    fn work(&self, s: &State, executor: usize) -> Option<Work> {
-        self.rules.work(s, executor)
-    }
-
-    fn places(&self) -> usize {
-        self.rules.places()
-    }
-
-    fn activity(&self, s: &State, place: usize) -> Option<AutomatonId> {
-        self.rules.activity(s, place)
-    }
-
-    fn tell(
-        &self,
-        change: (&State, &State),
-        action: Option<Action>,
-        time: u64,
-        out: &mut Vec<Moment>,
-    ) {
-        if !matches!(action, Some(Action::Mark { .. })) {
-            self.rules.tell(change, action, time, out);
-        }
-    }
 }
 
 /// Returns true if the measured value of a chain is exact.

@@ -5,18 +5,16 @@ use super::components::Components;
 use super::deferral::Deferral;
 use super::facts::Facts;
 use super::sleep_sets::{Now, Overtake};
-use super::{
-    Activity, Deferrable, Kind, Kinds, Reason, Reduced, Reduction, Reductions, Setting, SleepSet,
-    Watched,
-};
+use super::{Activity, Deferrable, Kind, Kinds, Reason, Reduction, Setting, SleepSet, Watched};
 use crate::explore::rules::points::Cycle;
-use crate::explore::rules::{Action, Enabled, SystemRules};
+use crate::explore::rules::{Action, Enabled, Rules};
 use crate::explore::state::State;
 use crate::explore::store::Encoded;
+use crate::system::Ticks;
 
 /// The reductions that are sound for a system, the points of its semantics and its watched properties.
 #[derive(Debug)]
-pub(crate) struct AllReductions {
+pub(crate) struct Reductions {
     facts: Facts,
     persistent: Option<PersistentSets>,
     overtake: Option<Overtake>,
@@ -31,12 +29,10 @@ enum PersistentSets {
     Components(Components),
 }
 
-impl Reduced for SystemRules<'_> {
-    type Reductions = AllReductions;
-}
-
-impl Reductions<SystemRules<'_>> for AllReductions {
-    fn new(rules: &SystemRules, asked: &Watched, without: Kinds) -> Self {
+impl Reductions {
+    /// Examines a system. The reductions in `without` are switched off. A search that follows data has none:
+    /// every order of actions may matter to it.
+    pub(crate) fn new(rules: &Rules, asked: &Watched, without: Kinds) -> Self {
         let facts = Facts::new(rules.system, asked);
         let setting = Setting { rules, asked, facts: &facts, without };
         let mut notes = Vec::new();
@@ -50,14 +46,23 @@ impl Reductions<SystemRules<'_>> for AllReductions {
         let deferral = Deferral::examine(&setting, &mut notes);
         let resting = deferral.as_ref().map(|deferral| deferral.without_rest(&setting));
         notes.push(part(Kind::RestingLoops, resting, Kind::Deferral));
-        AllReductions { persistent, overtake, deferral, facts, activities: notes }
+        Reductions { persistent, overtake, deferral, facts, activities: notes }
     }
 
-    fn activities(&self) -> &[Activity] {
+    /// Returns the reductions used, and the reasons against the others.
+    pub(crate) fn activities(&self) -> &[Activity] {
         &self.activities
     }
 
-    fn persistent(&self, rules: &SystemRules, s: &State, enabled: &Enabled, out: &mut Vec<Action>) {
+    /// Writes the actions to follow in a state: a persistent set, with which all calm states of this moment
+    /// are still reached, or all enabled actions.
+    pub(crate) fn persistent(
+        &self,
+        rules: &Rules,
+        s: &State,
+        enabled: &Enabled,
+        out: &mut Vec<Action>,
+    ) {
         match &self.persistent {
             Some(PersistentSets::Ample) => {
                 Ample::select((rules, &self.facts), s, enabled, out);
@@ -69,9 +74,11 @@ impl Reductions<SystemRules<'_>> for AllReductions {
         }
     }
 
-    fn follow(
+    /// Writes the actions to follow in a state in which some actions are held back, each with the actions
+    /// that it holds back. `first` is scratch memory.
+    pub(crate) fn follow(
         &self,
-        rules: &SystemRules,
+        rules: &Rules,
         (s, held): (&State, SleepSet),
         enabled: &Enabled,
         first: &mut Vec<Action>,
@@ -94,9 +101,10 @@ impl Reductions<SystemRules<'_>> for AllReductions {
         }
     }
 
-    fn sleep_set_after(
+    /// Returns the actions still held back after an action that led from `before` to `s`.
+    pub(crate) fn sleep_set_after(
         &self,
-        rules: &SystemRules,
+        rules: &Rules,
         before: &State,
         action: Action,
         s: &State,
@@ -106,13 +114,16 @@ impl Reductions<SystemRules<'_>> for AllReductions {
         overtake.map_or(0, |overtake| overtake.after(rules, before, action, s, held))
     }
 
-    fn waiters(&self, rules: &SystemRules, s: &State) -> Option<Deferrable> {
+    /// Returns the executors whose ends can be postponed in a calm state, if there are any.
+    pub(crate) fn waiters(&self, rules: &Rules, s: &State) -> Option<Deferrable> {
         self.deferral.as_ref()?.waiters(rules, s)
     }
 
-    fn closure(
+    /// Calls `found` with calm states that a calm state reaches by ends that can be postponed, and that need
+    /// not be kept. Subtracts the number of examined states from the budget.
+    pub(crate) fn closure(
         &self,
-        rules: &SystemRules,
+        rules: &Rules,
         s: &State,
         budget: &mut usize,
         found: impl FnMut(&Encoded),
@@ -120,6 +131,15 @@ impl Reductions<SystemRules<'_>> for AllReductions {
         if let Some(deferral) = &self.deferral {
             deferral.closure(rules, s, budget, found);
         }
+    }
+
+    /// Returns the time until the next moment to examine after a calm state, in base units. `None`: never.
+    pub(crate) fn next_moment(&self, rules: &Rules, s: &State) -> Option<Ticks> {
+        let waiters = self.waiters(rules, s);
+        rules.next_moment(s, &|executor| {
+            let waits = waiters.as_ref();
+            waits.is_some_and(|wait| wait.can_be_deferred(rules.system, executor))
+        })
     }
 }
 

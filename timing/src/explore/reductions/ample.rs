@@ -34,7 +34,7 @@ use super::{Kind, Reason, Reduction, Setting};
 use crate::explore::rules::layout::Layout;
 use crate::explore::rules::points::Cycle;
 use crate::explore::rules::status::permanent;
-use crate::explore::rules::{Action, Enabled, SystemRules};
+use crate::explore::rules::{Action, Enabled, Rules};
 use crate::explore::state::{State, TaskStatus, phase};
 use crate::scn::semantics::LockRule;
 use crate::system::{CodelId, Policy, TaskId, TimedSystem, Yield};
@@ -60,7 +60,7 @@ impl Reduction for Ample {
 impl Ample {
     /// Writes an ample set of a state to `out`, or all enabled actions.
     pub(crate) fn select(
-        (rules, facts): (&SystemRules, &Facts),
+        (rules, facts): (&Rules, &Facts),
         s: &State,
         enabled: &Enabled,
         out: &mut Vec<Action>,
@@ -80,7 +80,7 @@ impl Ample {
 /// One state, with the actions that can happen in it before time passes.
 struct AmpleState<'m, 's> {
     facts: &'m Facts,
-    rules: &'m SystemRules<'s>,
+    rules: &'m Rules<'s>,
     s: &'m State,
     enabled: &'m Enabled,
 }

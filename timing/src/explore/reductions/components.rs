@@ -18,7 +18,7 @@ use smallvec::SmallVec;
 use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
 use super::{Kind, Reason, Reduction, Setting, Watched};
-use crate::explore::rules::{Action, Enabled, SystemRules};
+use crate::explore::rules::{Action, Enabled, Rules};
 use crate::explore::state::State;
 use crate::property::{Atom, Predicate};
 use crate::scn::semantics::PortRule;
@@ -72,7 +72,7 @@ impl Components {
     /// Writes the actions of a group that can be followed alone, or all enabled actions.
     pub(super) fn select(
         &self,
-        rules: &SystemRules,
+        rules: &Rules,
         s: &State,
         enabled: &Enabled,
         out: &mut Vec<Action>,
@@ -83,7 +83,7 @@ impl Components {
     }
 
     /// Returns the groups of components in a state.
-    fn groups(&self, rules: &SystemRules, s: &State) -> Groups {
+    fn groups(&self, rules: &Rules, s: &State) -> Groups {
         let mut groups = Groups::new(self.asked.len());
         let asked = self.asked.iter_enumerated().filter(|(_, asked)| **asked);
         groups.join(asked.map(|(component, _)| component));
@@ -98,7 +98,7 @@ impl Components {
     /// Writes the actions of a group that can be followed alone; returns true if there is one.
     fn one_group(
         &self,
-        rules: &SystemRules,
+        rules: &Rules,
         s: &State,
         enabled: &Enabled,
         out: &mut Vec<Action>,

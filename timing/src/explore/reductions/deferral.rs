@@ -20,7 +20,7 @@ use self::jobs::LazyMembers;
 use self::passes::LazyComponents;
 use super::{Deferrable, Kind, Reason, Reduction, Setting};
 use crate::explore::rules::points::Cycle;
-use crate::explore::rules::{Action, Enabled, Rules, SystemRules};
+use crate::explore::rules::{Action, Enabled, Rules};
 use crate::explore::state::State;
 use crate::explore::store::{Encoded, encode};
 
@@ -62,7 +62,7 @@ impl Deferral {
     }
 
     /// Returns the members whose ends can be postponed in a calm state, if there are any.
-    pub(crate) fn waiters(&self, rules: &SystemRules, s: &State) -> Option<Deferrable> {
+    pub(crate) fn waiters(&self, rules: &Rules, s: &State) -> Option<Deferrable> {
         match self {
             Deferral::Jobs(lazy) => lazy.waiters(rules, s),
             Deferral::Passes(lazy) => lazy.waiters(rules, s),
@@ -73,7 +73,7 @@ impl Deferral {
     /// there are too many. Subtracts the number of examined states from the budget.
     pub(crate) fn closure(
         &self,
-        rules: &SystemRules,
+        rules: &Rules,
         s: &State,
         budget: &mut usize,
         mut found: impl FnMut(&Encoded),
@@ -112,7 +112,7 @@ impl Deferral {
 }
 
 /// Returns true if an action is one of a member whose ends can be postponed.
-fn is_of_lazy(rules: &SystemRules, waiters: &Deferrable, action: Action) -> bool {
+fn is_of_lazy(rules: &Rules, waiters: &Deferrable, action: Action) -> bool {
     let system = rules.system;
     let member = match action {
         Action::Tick { .. } | Action::Mark { .. } => return false,

@@ -27,7 +27,7 @@ use super::facts::Facts;
 use super::{Kind, Reason, Reduction, Setting, SleepSet};
 use crate::explore::rules::points::Cycle;
 use crate::explore::rules::status::permanent;
-use crate::explore::rules::{Action, Enabled, SystemRules};
+use crate::explore::rules::{Action, Enabled, Rules};
 use crate::explore::state::{State, TaskStatus, phase};
 use crate::scn::semantics::LockRule;
 use crate::system::{CodelSet, Policy, TaskId, TimedSystem};
@@ -40,7 +40,7 @@ type Tasks = u64;
 /// A state and its possible actions.
 #[derive(Clone, Copy)]
 pub(crate) struct Now<'n, 's> {
-    pub(crate) rules: &'n SystemRules<'s>,
+    pub(crate) rules: &'n Rules<'s>,
     pub(crate) facts: &'n Facts,
     pub(crate) s: &'n State,
     pub(crate) enabled: &'n Enabled,
@@ -130,7 +130,7 @@ impl Overtake {
     /// Returns the actions still held back after an action that led from one state to another.
     pub(crate) fn after(
         &self,
-        rules: &SystemRules,
+        rules: &Rules,
         before: &State,
         action: Action,
         s: &State,
@@ -168,12 +168,12 @@ impl Overtake {
 
 /// Returns true if the job or the start-up of a task continues, so that its end and the next tick depend on
 /// their order.
-fn contested(rules: &SystemRules, s: &State, task: usize) -> bool {
+fn contested(rules: &Rules, s: &State, task: usize) -> bool {
     rules.layout.status(s, task) != TaskStatus::Idle || !settled(rules, s, task)
 }
 
 /// Returns true if the start-up of a task is over.
-fn settled(rules: &SystemRules, s: &State, task: usize) -> bool {
+fn settled(rules: &Rules, s: &State, task: usize) -> bool {
     rules.layout.started(s, task)
         && rules.system.tasks[TaskId::from(task)].permanent.is_none_or(|a| {
             matches!(

@@ -1,14 +1,15 @@
 //! The values of atoms.
 
+use super::Rules;
 use super::points::Cycle;
 use super::status::{control, slot};
-use super::{Rules, SystemRules};
 use crate::explore::state::{State, TaskStatus, phase};
 use crate::property::{Atom, SlotStatus, StatePhase, TaskState, monitor};
 use crate::system::ServiceId;
 
-impl SystemRules<'_> {
-    pub(super) fn holds(&self, s: &State, atom: &Atom) -> bool {
+impl Rules<'_> {
+    /// Returns the value of an atom of a predicate.
+    pub(crate) fn atom(&self, s: &State, atom: &Atom) -> bool {
         let l = &self.layout;
         match *atom {
             Atom::Task(task, state) => {

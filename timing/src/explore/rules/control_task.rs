@@ -4,13 +4,13 @@
 //! for each codel; then all tasks become runnable; then it replies, and examines all activities. At once
 //! (section 7): it validates, accepts and interrupts in one step, except for codels.
 
-use super::SystemRules;
+use super::Rules;
 use super::points::Handling;
 use super::status::{control, slot, tracker};
 use crate::explore::state::{State, phase};
 use crate::system::{ClientAction, ClientId, ComponentId, ServiceId};
 
-impl SystemRules<'_> {
+impl Rules<'_> {
     /// Takes a request.
     pub(super) fn request(&self, s: &mut State, client: ClientId, next: usize) {
         let l = &self.layout;

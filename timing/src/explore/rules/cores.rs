@@ -12,14 +12,14 @@
 //!   any moment.
 
 use super::status::{control, flag, thread};
-use super::{Action, Enabled, SystemRules};
+use super::{Action, Enabled, Rules};
 use crate::explore::state::State;
 use crate::system::{ClientAction, ClientId, ComponentId, Policy, TaskId};
 
 /// A set of executors, as bits.
 pub(super) type Threads = u128;
 
-impl SystemRules<'_> {
+impl Rules<'_> {
     /// Returns true if an operating system grants cores and preempts threads.
     pub(crate) fn preempts(&self) -> bool {
         self.system.preempts()

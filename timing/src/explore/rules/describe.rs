@@ -2,13 +2,13 @@
 
 use super::points::{Cycle, Handling};
 use super::status::{flag, slot, thread};
-use super::{Action, Moment, MomentKind, SystemRules};
+use super::{Action, Moment, MomentKind, Rules};
 use crate::explore::details::{Blocker, Executing, MomentDetails};
 use crate::explore::state::{State, TaskStatus, phase};
 use crate::scn::semantics::LockRule;
 use crate::system::{ClientAction, CodelId, ComponentId, TaskId, Yield};
 
-impl SystemRules<'_> {
+impl Rules<'_> {
     /// Describes the effects of an action; without an action, those of the initial state.
     pub(super) fn moments(
         &self,
@@ -425,7 +425,7 @@ impl SystemRules<'_> {
 
     /// Returns the codel with the locks for which an executor waits. Of executors ahead in its queue, the
     /// codel for which they wait.
-    pub(super) fn holder_of_locks(&self, s: &State, executor: usize) -> Option<CodelId> {
+    pub(crate) fn lock_holder(&self, s: &State, executor: usize) -> Option<CodelId> {
         let l = &self.layout;
         let holder = |waiting: usize| {
             let waiting = &self.system.codels[self.codel(s, waiting)?];

@@ -1,15 +1,15 @@
 //! Tasks between two cycles, and their work at the next tick if nothing else happens before.
 
-use super::SystemRules;
+use super::Rules;
 use super::points::Cycle;
 use super::status::{flag, permanent, slot, thread};
 use super::work::IdleTurn;
 use crate::explore::state::{State, phase};
 
-impl SystemRules<'_> {
+impl Rules<'_> {
     /// Returns the work of the next cycle of a task, if the task is between two cycles, is periodic, needs no
     /// core, has no tick left, and if exactly one automaton has work: it is paused, and not interrupted.
-    pub(super) fn next_idle_turn(&self, s: &State, task: usize) -> Option<IdleTurn> {
+    pub(in crate::explore) fn idle_turn(&self, s: &State, task: usize) -> Option<IdleTurn> {
         let l = &self.layout;
         let busy = flag::TICK | flag::WAKE | flag::FIRST | flag::CORE | flag::LATE;
         let is_idle = l.thread_of(s, task) == thread::IDLE && !l.has(s, task, busy);

@@ -2,12 +2,12 @@
 //! turn ends with a pause or the end of the automaton (section 4). The start of a task is its first codel
 //! (section 3).
 
-use super::SystemRules;
+use super::Rules;
 use super::status::{control, flag, permanent, slot, thread};
 use crate::explore::state::{State, TaskStatus, phase};
 use crate::system::{AutomatonId, CodelId, ComponentId, TaskId, Yield};
 
-impl SystemRules<'_> {
+impl Rules<'_> {
     /// Starts tasks of a component, from the one in `starting` up to one that has to run its first codel.
     pub(super) fn start_tasks(&self, s: &mut State, component: ComponentId) {
         let l = &self.layout;

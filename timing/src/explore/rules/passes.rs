@@ -1,13 +1,13 @@
 //! Passes: in each pass, every automaton that runs and is not paused executes one codel, in the order of the
 //! slots (section 21). Also the counters of entered states, of every automaton with a loop limit.
 
-use super::SystemRules;
+use super::Rules;
 use super::status::{flag, slot, thread};
 use crate::explore::state::State;
 use crate::scn::semantics::{PauseRule, TurnRule};
 use crate::system::{Machine, TaskId, Yield};
 
-impl SystemRules<'_> {
+impl Rules<'_> {
     /// Begins a pass, up to its first codel. `first`: the first pass of a cycle. Only the first pass of a
     /// periodic task begins activities and resumes paused automata.
     pub(super) fn begin_pass(&self, s: &mut State, task: usize, first: bool) {

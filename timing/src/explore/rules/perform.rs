@@ -3,11 +3,11 @@
 use super::layout::EdfTimes;
 use super::points::Cycle;
 use super::status::{control, flag, thread};
-use super::{Action, SystemRules};
+use super::{Action, Rules};
 use crate::explore::state::{State, phase};
 use crate::system::{ClientAction, ClientId, FOREVER, Policy, TaskId};
 
-impl SystemRules<'_> {
+impl Rules<'_> {
     /// Performs an action that is enabled.
     pub(super) fn perform(&self, s: &mut State, action: Action) {
         let l = &self.layout;

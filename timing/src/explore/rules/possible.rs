@@ -4,12 +4,12 @@
 use super::layout::EdfTimes;
 use super::points::{Cycle, Handling};
 use super::status::{control, flag, slot, thread, tracker};
-use super::{Action, Enabled, SystemRules};
+use super::{Action, Enabled, Rules};
 use crate::explore::state::{State, phase};
 use crate::scn::semantics::{LockRule, TickRule};
 use crate::system::{ClientAction, ClientId, ComponentId, Policy, TaskId, Yield};
 
-impl SystemRules<'_> {
+impl Rules<'_> {
     /// Lists the actions of the best rank present.
     pub(super) fn list_enabled(&self, s: &State, out: &mut Enabled) {
         out.actions.clear();

@@ -1,11 +1,11 @@
 //! The range of actions, for reductions.
 
 use super::status::{control, flag, slot, thread};
-use super::{Action, Rules, SystemRules};
+use super::{Action, Rules};
 use crate::explore::state::{State, phase};
 use crate::system::{ClientAction, ClientId, ComponentId, TaskId};
 
-impl SystemRules<'_> {
+impl Rules<'_> {
     /// Returns the component of an action; `None` for actions of clients alone.
     pub(crate) fn component_of_action(&self, s: &State, action: Action) -> Option<ComponentId> {
         match action {

@@ -5,9 +5,9 @@
 //! they end; and at last its control task. The thread of the shutdown needs no core and takes no time, and
 //! each of its steps is an action.
 
+use super::Rules;
 use super::layout::EdfTimes;
 use super::status::{control, flag, slot, thread, tracker};
-use super::{Rules, SystemRules};
 use crate::explore::state::State;
 use crate::system::{Builtin, ClientAction, ClientId, ComponentId, TaskId};
 
@@ -26,7 +26,7 @@ enum Stage {
     Control,
 }
 
-impl SystemRules<'_> {
+impl Rules<'_> {
     /// Performs a request that all components accept, after its last codel. Returns true if the request
     /// succeeded.
     pub(super) fn do_builtin(&self, s: &mut State, component: ComponentId, which: Builtin) -> bool {
@@ -82,13 +82,13 @@ impl SystemRules<'_> {
     fn running_jobs(&self, s: &State, task: usize) -> impl Iterator<Item = usize> {
         let slots = self.layout.slots(task).iter().copied();
         slots.filter(move |&slot| {
-            let automaton = Rules::activity(self, s, slot);
+            let automaton = self.activity(s, slot);
             automaton.is_some_and(|automaton| self.system.automata[automaton].service.is_some())
         })
     }
 
     /// Returns true if a component has shut down. Without a shutdown: if its activities have ended.
-    pub(super) fn has_shut_down(&self, s: &State, component: ComponentId) -> bool {
+    pub(in crate::explore) fn is_shut_down(&self, s: &State, component: ComponentId) -> bool {
         let tasks = &self.system.components[component].tasks;
         match self.layout.shutdown[component] {
             Some(place) => s.d[place] != 0 && self.stage(s, component).is_none(),

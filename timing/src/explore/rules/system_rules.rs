@@ -16,18 +16,18 @@ use typed_index_collections::{TiVec, ti_vec};
 use super::layout::Layout;
 use super::points::{Cycle, Points, StartUp};
 use super::status::{control, flag, permanent, slot, thread};
-use super::{Action, Enabled, IdleTurn, Moment, Rules, Work};
+use super::{Action, Enabled, Moment, Work};
 use crate::explore::state::{Clocks, Frame, State, TaskStatus, phase};
-use crate::property::Atom;
+use crate::explore::token::Token;
 use crate::scn::semantics::TickRule;
 use crate::system::{
     AutomatonId, ClientAction, ClientId, Codel, CodelId, ComponentId, Machine, ServiceId,
     State as MachineState, TaskId, Ticks, TimedSystem,
 };
 
-/// The rules applied to one system.
+/// The rules applied to one system. The [module](super) contains their contract.
 #[derive(Debug)]
-pub(crate) struct SystemRules<'s> {
+pub(crate) struct Rules<'s> {
     pub(crate) system: &'s TimedSystem,
     pub(crate) points: Points,
     pub(crate) layout: Layout,
@@ -41,17 +41,20 @@ pub(crate) struct SystemRules<'s> {
     pub(super) restarts: TiVec<ServiceId, Cell<bool>>,
     /// By codel, whether it excludes no other codel.
     pub(super) lockless: TiVec<CodelId, bool>,
+    /// Follows the data of a chain.
+    pub(in crate::explore) token: Option<Token<'s>>,
 }
 
-impl<'s> SystemRules<'s> {
+impl<'s> Rules<'s> {
     /// Creates the rules for a system, without clocks.
     pub(crate) fn new(system: &'s TimedSystem) -> Self {
-        SystemRules::with(system, &Clocks::none(system.tasks.len()))
+        Rules::with(system, &Clocks::none(system.tasks.len()))
     }
 
-    fn with(system: &'s TimedSystem, clocks: &Clocks) -> Self {
+    /// Creates the rules for a system, with clocks for measured times.
+    pub(in crate::explore) fn with(system: &'s TimedSystem, clocks: &Clocks) -> Self {
         let points = Points::of(system);
-        SystemRules {
+        Rules {
             layout: Layout::new(system, &points, clocks),
             points,
             priorities: system.priorities(),
@@ -59,6 +62,7 @@ impl<'s> SystemRules<'s> {
             refusal: Cell::new(None),
             restarts: ti_vec![Cell::new(false); system.services.len()],
             lockless: (system.codels.iter()).map(|codel| codel.conflicts.is_empty()).collect(),
+            token: None,
             system,
         }
     }
@@ -169,7 +173,7 @@ impl<'s> SystemRules<'s> {
     }
 
     /// Returns the state at time 0, with the first task of every component started.
-    fn at_start(&self) -> State {
+    pub(crate) fn initial(&self) -> State {
         let l = &self.layout;
         let mut s = l.blank();
         for component in self.system.components.keys() {
@@ -187,6 +191,9 @@ impl<'s> SystemRules<'s> {
             l.set_position(&mut s, k, client.done() as u16 + 1);
         }
         self.list_ready(&mut s);
+        if let Some(token) = &self.token {
+            token.follow(self, None, &mut s);
+        }
         s
     }
 
@@ -235,53 +242,80 @@ impl<'s> SystemRules<'s> {
     }
 }
 
-impl Rules for SystemRules<'_> {
-    fn with_clocks(&self, clocks: &Clocks) -> Self {
-        SystemRules::with(self.system, clocks)
+impl<'s> Rules<'s> {
+    /// Returns the same rules for the same system, with clocks for measured times.
+    pub(crate) fn with_clocks(&self, clocks: &Clocks) -> Self {
+        match &self.token {
+            Some(token) => Token::rules(self.system, token.chain, clocks),
+            None => Rules::with(self.system, clocks),
+        }
     }
 
     #[inline]
-    fn system(&self) -> &TimedSystem {
+    pub(crate) fn system(&self) -> &'s TimedSystem {
         self.system
     }
 
+    /// Returns the places of the common parts of a state.
     #[inline]
-    fn frame(&self) -> &Frame {
+    pub(crate) fn frame(&self) -> &Frame {
         &self.layout
     }
 
-    fn initial(&self) -> State {
-        self.at_start()
-    }
-
-    fn lock_holder(&self, s: &State, executor: usize) -> Option<CodelId> {
-        self.holder_of_locks(s, executor)
-    }
-
+    /// Lists the actions of a state.
     #[inline]
-    fn enabled(&self, s: &State, out: &mut Enabled) {
-        self.list_enabled(s, out);
+    pub(crate) fn enabled(&self, s: &State, out: &mut Enabled) {
+        if self.token.as_ref().is_none_or(|token| token.enabled(self, s, out)) {
+            self.list_enabled(s, out);
+        }
     }
 
-    fn apply(&self, s: &mut State, action: Action) {
+    /// Performs an action that is enabled.
+    pub(crate) fn apply(&self, s: &mut State, action: Action) {
+        match &self.token {
+            Some(token) => token.apply(self, s, action),
+            None => self.act(s, action),
+        }
+    }
+
+    /// Performs an action of the system.
+    pub(in crate::explore) fn act(&self, s: &mut State, action: Action) {
         self.perform(s, action);
         self.list_ready(s);
     }
 
-    fn next_moment(&self, s: &State, can_be_deferred: &dyn Fn(usize) -> bool) -> Option<Ticks> {
-        self.until_next(s, can_be_deferred, &|_| false)
+    /// Returns the time after a calm state for which no state needs to be examined, in base units: until the
+    /// next moment at which an action may become possible or, for executors whose end `can_be_deferred`, must
+    /// happen. `None`: for ever.
+    pub(crate) fn next_moment(
+        &self,
+        s: &State,
+        can_be_deferred: &dyn Fn(usize) -> bool,
+    ) -> Option<Ticks> {
+        if self.token.as_ref().is_some_and(|token| token.is_over(s)) {
+            return None;
+        }
+        self.next_moment_without_ticks(s, can_be_deferred, &|_| false)
     }
 
-    fn elapse(&self, s: &mut State, time: Ticks) {
+    /// Lets time pass, at most until the next moment.
+    pub(crate) fn elapse(&self, s: &mut State, time: Ticks) {
         self.pass_time(s, time);
+        if let Some(token) = &self.token {
+            token.elapse(self, s, time);
+        }
     }
 
-    fn progresses(&self, s: &State, executor: usize) -> bool {
+    /// Returns true if time brings an executor nearer to the end of its work.
+    pub(crate) fn progresses(&self, s: &State, executor: usize) -> bool {
         !self.preempts() || self.executes_on(s, self.running(s), executor)
     }
 
+    // ---- Observation -----------------------------------------------------------------------
+
+    /// Returns whether a task has a job whose response time is measured, and whether the job waits for a core.
     #[inline]
-    fn job(&self, s: &State, task: usize) -> TaskStatus {
+    pub(crate) fn job(&self, s: &State, task: usize) -> TaskStatus {
         let l = &self.layout;
         match l.status(s, task) {
             // The first cycle of a task is not measured.
@@ -296,7 +330,9 @@ impl Rules for SystemRules<'_> {
         }
     }
 
-    fn awaits_start_up(&self, s: &State, task: TaskId) -> Option<TaskId> {
+    /// Returns the task whose start-up a task awaits before its first job: an earlier one of its component,
+    /// or itself. `None`: the start-up is over.
+    pub(crate) fn awaits_start_up(&self, s: &State, task: TaskId) -> Option<TaskId> {
         let l = &self.layout;
         let number = usize::from(task);
         let component = self.system.tasks[task].component;
@@ -319,8 +355,9 @@ impl Rules for SystemRules<'_> {
         }
     }
 
+    /// Returns true if a tick of a task has come before its job has ended.
     #[inline]
-    fn missed(&self, s: &State, task: usize) -> bool {
+    pub(crate) fn missed(&self, s: &State, task: usize) -> bool {
         let flags = self.layout.flags(s, task);
         let in_cycle = || flags & flag::TICK != 0 && self.in_cycle(s, task);
         flags & (flag::TICK | flag::LATE) != 0
@@ -329,24 +366,35 @@ impl Rules for SystemRules<'_> {
             && (flags & flag::LATE != 0 || in_cycle())
     }
 
-    fn may_begin_to_wait(&self, action: Action, task: usize) -> bool {
+    /// Returns true if a job waits for a core for at least the period of its task. The response time of the
+    /// task must be measured.
+    pub(crate) fn overdue(&self, s: &State, task: usize) -> bool {
+        let (period, clock) =
+            (self.system.tasks[TaskId::from(task)].period, self.layout.response[task]);
+        let (Some(period), Some(clock)) = (period, clock) else {
+            return false;
+        };
+        self.job(s, task) == TaskStatus::Waiting && s.t[clock] >= period
+    }
+
+    /// Returns true if a task may begin to wait for a core with an action.
+    pub(crate) fn may_begin_to_wait(&self, action: Action, task: usize) -> bool {
         // Under preemption any thread that becomes ready may take a core.
         self.preempts() || action == Action::Release { task }
     }
 
-    fn atom(&self, s: &State, atom: &Atom) -> bool {
-        self.holds(s, atom)
-    }
-
-    fn has_refused(&self, service: ServiceId) -> bool {
+    /// Returns true if [`Rules::apply`] ever refused a request for a service for lack of a slot.
+    pub(crate) fn has_refused(&self, service: ServiceId) -> bool {
         self.rejected[service].get()
     }
 
-    fn has_ended_restarts(&self, service: ServiceId) -> bool {
+    /// Returns true if two waiting instances of a service ever interrupted each other in [`Rules::apply`].
+    pub(crate) fn has_ended_restarts(&self, service: ServiceId) -> bool {
         self.restarts[service].get()
     }
 
-    fn task_of(&self, action: Action) -> Option<usize> {
+    /// Returns the task of an action; `None` for actions of control tasks and clients.
+    pub(crate) fn task_of(&self, action: Action) -> Option<usize> {
         let of_executor = |executor: usize| self.task_of_executor(executor);
         match action {
             Action::Release { task }
@@ -368,7 +416,8 @@ impl Rules for SystemRules<'_> {
         }
     }
 
-    fn duration(&self, s: &State, executor: usize) -> (Ticks, Ticks) {
+    /// Returns the least and greatest time of an executor's work, in base units.
+    pub(crate) fn duration(&self, s: &State, executor: usize) -> (Ticks, Ticks) {
         if let Some(codel) = self.codel(s, executor) {
             let codel = &self.system.codels[codel];
             return (codel.lower, codel.upper);
@@ -385,7 +434,9 @@ impl Rules for SystemRules<'_> {
         }
     }
 
-    fn work(&self, s: &State, executor: usize) -> Option<Work> {
+    /// Returns the work of an executor: a codel for which it takes a ticket, waits or executes, or a delay.
+    /// `None` if there is none.
+    pub(crate) fn work(&self, s: &State, executor: usize) -> Option<Work> {
         let l = &self.layout;
         if let Some(client) = l.client_of_executor(executor) {
             let waits = l.is_executing(s, executor);
@@ -412,11 +463,14 @@ impl Rules for SystemRules<'_> {
         })
     }
 
-    fn places(&self) -> usize {
+    /// Returns the number of places for activities, including permanent activities. They are numbered as in
+    /// [`Work::State`].
+    pub(crate) fn places(&self) -> usize {
         self.layout.all_slots()
     }
 
-    fn activity(&self, s: &State, place: usize) -> Option<AutomatonId> {
+    /// Returns the automaton of the activity in a place: accepted, running, or ended and not yet reported.
+    pub(crate) fn activity(&self, s: &State, place: usize) -> Option<AutomatonId> {
         let l = &self.layout;
         match l.activity(s, place) {
             slot::VOID => None,
@@ -424,29 +478,23 @@ impl Rules for SystemRules<'_> {
         }
     }
 
-    fn tell(
+    /// Returns an action in words. The action led from the first state to the second. `None`: the initial
+    /// state.
+    pub(crate) fn tell(
         &self,
         change: (&State, &State),
         action: Option<Action>,
         time: u64,
         out: &mut Vec<Moment>,
     ) {
-        self.moments(change, action, time, out);
+        if !matches!(action, Some(Action::Mark { .. })) {
+            self.moments(change, action, time, out);
+        }
     }
 }
 
 /// The rules as single runs need them.
-impl SystemRules<'_> {
-    /// The same, but ticks of the tasks that `is_skipped` selects do not count.
-    pub(in crate::explore) fn next_moment_without_ticks(
-        &self,
-        s: &State,
-        can_be_deferred: &dyn Fn(usize) -> bool,
-        is_skipped: &dyn Fn(usize) -> bool,
-    ) -> Option<Ticks> {
-        self.until_next(s, can_be_deferred, is_skipped)
-    }
-
+impl Rules<'_> {
     /// Returns the service of the request that [`Rules::apply`] has refused since the last call: for lack of
     /// a slot, by `after` or `before`, by a codel, or because nothing is left to abort.
     pub(in crate::explore) fn take_refusal(&self) -> Option<ServiceId> {
@@ -457,12 +505,6 @@ impl SystemRules<'_> {
     /// more before the first.
     pub(in crate::explore) fn position(&self, s: &State, client: ClientId) -> usize {
         self.layout.position(s, client) as usize
-    }
-
-    /// Returns the only work of a task in its next cycle; `None` if the task is in a cycle, or if something
-    /// else than this work may follow.
-    pub(in crate::explore) fn idle_turn(&self, s: &State, task: usize) -> Option<IdleTurn> {
-        self.next_idle_turn(s, task)
     }
 
     /// Returns the time until the next tick of a task, and whether an earlier tick is kept for the next
@@ -485,11 +527,6 @@ impl SystemRules<'_> {
     pub(in crate::explore) fn begin_shutdown(&self, s: &mut State, component: ComponentId) {
         self.kill(s, component);
         self.skip_unstarted(s, component);
-    }
-
-    /// Returns true if a component has been shut down.
-    pub(in crate::explore) fn is_shut_down(&self, s: &State, component: ComponentId) -> bool {
-        self.has_shut_down(s, component)
     }
 
     /// Returns the service whose request a control task is handling, and whether the request is already

@@ -1,13 +1,13 @@
 //! The passage of time.
 
+use super::Rules;
 use super::layout::EdfTimes;
 use super::status::{flag, thread};
-use super::{Rules, SystemRules};
 use crate::explore::state::{State, TaskStatus};
 use crate::scn::semantics::TickRule;
 use crate::system::{FOREVER, TaskId, Ticks};
 
-impl SystemRules<'_> {
+impl Rules<'_> {
     /// Returns true if the timer of a task runs.
     #[inline]
     pub(super) fn counts(&self, s: &State, task: usize) -> bool {
@@ -21,7 +21,7 @@ impl SystemRules<'_> {
 
     /// Returns the time in base units for which no action can become possible, except by ends that can wait
     /// and by ticks that are skipped.
-    pub(super) fn until_next(
+    pub(in crate::explore) fn next_moment_without_ticks(
         &self,
         s: &State,
         can_be_deferred: &dyn Fn(usize) -> bool,

@@ -17,7 +17,7 @@ use super::layers::{Layers, PollControl};
 use crate::explore::ChainSpans;
 use crate::explore::findings::{Bound, Findings, Found, Measured};
 use crate::explore::measure::MeasurementMode;
-use crate::explore::reductions::{Activity, Kind, Reason, Reduced};
+use crate::explore::reductions::{Activity, Kind, Reason};
 use crate::explore::run::Run;
 use crate::explore::watch::{Limits, Stop, Watch};
 use crate::system::ServiceId;
@@ -49,8 +49,8 @@ impl CarryOver {
     }
 }
 
-impl<'a, R: Reduced> PollControl<'a, R> for SearchControl<'a> {
-    fn look(&mut self, layers: &mut Layers<'a, R>) -> bool {
+impl<'a> PollControl<'a> for SearchControl<'a> {
+    fn look(&mut self, layers: &mut Layers<'a>) -> bool {
         let states = layers.states_now() + self.states_outside_layers();
         let reason = Stop::reason(states, layers.memory(), layers.limits, layers.cancel);
         let too_many = (layers.steps > layers.limits.steps).then_some(Stop::States);
@@ -67,7 +67,7 @@ impl<'a, R: Reduced> PollControl<'a, R> for SearchControl<'a> {
         layers.stopped.is_some() || layers.diverging.is_some()
     }
 
-    fn end(&mut self, layers: &mut Layers<'a, R>) {
+    fn end(&mut self, layers: &mut Layers<'a>) {
         if layers.stopped == Some(Stop::States) && self.may_find_earlier_end(layers) {
             self.search_earlier_ends(layers, self.further(layers));
         }
@@ -85,14 +85,14 @@ impl<'a> SearchControl<'a> {
     }
 
     /// Returns the results for the next exploration of the same system, including the runs seen by this one.
-    pub(super) fn into_carry_over<R: Reduced>(self, layers: &Layers<'a, R>) -> CarryOver {
+    pub(super) fn into_carry_over(self, layers: &Layers<'a>) -> CarryOver {
         CarryOver { random_search: self.random_search.map(|search| search.carried_over(layers)) }
     }
 
     // ---- Division of effort ----------------------------------------------------------------
 
     /// Returns true if all questions are answered, by layers or by randomised search.
-    fn answered<R: Reduced>(&self, layers: &Layers<'a, R>) -> bool {
+    fn answered(&self, layers: &Layers<'a>) -> bool {
         let deadlock = layers.observations.watch.deadlock;
         layers.observations.all_measured()
             && (!deadlock || layers.deadlock.is_some())
@@ -101,7 +101,7 @@ impl<'a> SearchControl<'a> {
 
     /// Returns true if an answered exploration continues for a while: a run of randomised search may be found
     /// earlier, and requests may turn out to be refused.
-    fn continues<R: Reduced>(&mut self, layers: &mut Layers<'a, R>) -> bool {
+    fn continues(&mut self, layers: &mut Layers<'a>) -> bool {
         let refusals = layers.observations.rules.system().may_refuse();
         let until = if let Some(number) = self.until {
             number
@@ -123,20 +123,20 @@ impl<'a> SearchControl<'a> {
     }
 
     /// Returns the number of steps so far, including those of randomised search.
-    pub(super) fn effort<R: Reduced>(&self, layers: &Layers<'a, R>) -> u64 {
+    pub(super) fn effort(&self, layers: &Layers<'a>) -> u64 {
         let random_steps = self.random_search.as_ref().map_or(0, |search| search.steps);
         layers.steps + random_steps
     }
 
     /// Returns the number of states kept, or examined outside the layers.
-    pub(super) fn states<R: Reduced>(&self, layers: &Layers<'a, R>) -> usize {
+    pub(super) fn states(&self, layers: &Layers<'a>) -> usize {
         layers.states() + self.states_outside_layers()
     }
 
     // ---- Findings --------------------------------------------------------------------------
 
     /// Returns the services with a refused request.
-    fn refused<R: Reduced>(&self, layers: &Layers<'a, R>) -> Vec<ServiceId> {
+    fn refused(&self, layers: &Layers<'a>) -> Vec<ServiceId> {
         let beside = |service: &ServiceId| {
             self.random_search.as_ref().is_ok_and(|search| search.refused.contains(service))
         };
@@ -146,7 +146,7 @@ impl<'a> SearchControl<'a> {
     }
 
     /// Returns the finding for each gauge.
-    fn measured<R: Reduced>(layers: &Layers<'a, R>) -> Vec<Option<Measured>> {
+    fn measured(layers: &Layers<'a>) -> Vec<Option<Measured>> {
         let found = |run| Found { run };
         let of = |i: usize| {
             let gauge = &layers.observations.gauges[i];
@@ -181,14 +181,14 @@ impl<'a> SearchControl<'a> {
     }
 
     /// Returns the reductions and further strategies used.
-    fn activities<R: Reduced>(&self, layers: &Layers<'a, R>) -> Vec<Activity> {
+    fn activities(&self, layers: &Layers<'a>) -> Vec<Activity> {
         let random_search =
             Activity { kind: Kind::RandomSearch, off: self.random_search.as_ref().err().copied() };
         layers.activities().chain([random_search]).collect()
     }
 
     /// Returns the findings of the exploration.
-    pub(super) fn findings<R: Reduced>(self, layers: &Layers<'a, R>) -> Findings {
+    pub(super) fn findings(self, layers: &Layers<'a>) -> Findings {
         let watch = layers.observations.watch;
         let goals = &layers.observations.goals;
         let random_search = self.random_search.as_ref().ok();

@@ -12,8 +12,8 @@ use super::layers::covering;
 use super::observations::{Longest, Observations, Sight};
 use crate::cancel::Cancel;
 use crate::explore::findings::{Findings, Found};
-use crate::explore::reductions::{Reduced, Reductions, SleepSet};
-use crate::explore::rules::{Action, Enabled, SystemRules};
+use crate::explore::reductions::SleepSet;
+use crate::explore::rules::{Action, Enabled, Rules};
 use crate::explore::run::Run;
 use crate::explore::state::State;
 use crate::explore::store::{Encoded, Store, encode};
@@ -99,9 +99,9 @@ struct Open {
     at: Sight<StepId>,
 }
 
-pub(super) struct DepthFirstSearch<'a, R: Reduced> {
+pub(super) struct DepthFirstSearch<'a> {
     /// The rules, and the sights so far. A sight is identified by its step.
-    observations: Observations<'a, R, StepId>,
+    observations: Observations<'a, StepId>,
     limits: Limits,
     cancel: &'a Cancel,
     passed: Store,
@@ -113,9 +113,9 @@ pub(super) struct DepthFirstSearch<'a, R: Reduced> {
     pub(super) lasts: Option<Ticks>,
 }
 
-impl<'a, R: Reduced> DepthFirstSearch<'a, R> {
+impl<'a> DepthFirstSearch<'a> {
     pub(super) fn new(
-        observations: Observations<'a, R, StepId>,
+        observations: Observations<'a, StepId>,
         limits: Limits,
         cancel: &'a Cancel,
     ) -> Self {
@@ -363,17 +363,8 @@ pub fn search_once(
     limits: Limits,
     cancel: &Cancel,
 ) -> Findings {
-    search_once_by(&SystemRules::new(system), watch, (number, steps), limits, cancel)
-}
-
-fn search_once_by<R: Reduced>(
-    rules: &R,
-    watch: &Watch,
-    (number, steps): (u64, u64),
-    limits: Limits,
-    cancel: &Cancel,
-) -> Findings {
-    let observations = Observations::new(rules, watch, &[], limits.without);
+    let rules = Rules::new(system);
+    let observations = Observations::new(&rules, watch, &[], limits.without);
     let mut search = DepthFirstSearch::new(observations, limits, cancel);
     let room = search.run(Order::numbered(number), steps, u64::MAX, (0, 0));
     let goals = Goals::of(watch);

@@ -13,8 +13,8 @@ use super::graph::{Graph, Links, NodeId};
 use super::observations::{Observations, Sight};
 use crate::cancel::Cancel;
 use crate::explore::measure::{Divergence, Gauge, MeasurementMode};
-use crate::explore::reductions::{Kind, Reduced, Reductions, SleepSet};
-use crate::explore::rules::Enabled;
+use crate::explore::reductions::{Kind, SleepSet};
+use crate::explore::rules::{Enabled, Rules};
 use crate::explore::run::Run;
 use crate::explore::state::State;
 use crate::explore::store::{Covering, Encoded, Store, decode, encode, holds};
@@ -55,18 +55,18 @@ struct Layer {
 }
 
 /// The controller of an exploration.
-pub(super) trait PollControl<'a, R: Reduced> {
+pub(super) trait PollControl<'a> {
     /// Polls an exploration every few steps: applies limits, and gives effort to other strategies. Returns
     /// true if the exploration is over.
-    fn look(&mut self, layers: &mut Layers<'a, R>) -> bool;
+    fn look(&mut self, layers: &mut Layers<'a>) -> bool;
 
     /// Is called at the end of the layers.
-    fn end(&mut self, layers: &mut Layers<'a, R>);
+    fn end(&mut self, layers: &mut Layers<'a>);
 }
 
 /// A breadth-first exploration in order of time.
-pub(super) struct Layers<'a, R: Reduced> {
-    pub(super) observations: Observations<'a, R, NodeId>,
+pub(super) struct Layers<'a> {
+    pub(super) observations: Observations<'a, NodeId>,
     pub(super) graph: Graph,
     layer: Layer,
     pub(super) steps: u64,
@@ -88,9 +88,9 @@ pub(super) struct Layers<'a, R: Reduced> {
     spare: Vec<State>,
 }
 
-impl<'a, R: Reduced> Layers<'a, R> {
+impl<'a> Layers<'a> {
     pub(super) fn new(
-        rules: &R,
+        rules: &Rules<'a>,
         watch: &'a Watch,
         gauges: &'a [Gauge],
         limits: Limits,
@@ -136,7 +136,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
     // ---- From moment to moment -------------------------------------------------------------
 
     /// Explores until all states have been examined, the exploration is stopped, or a time diverges.
-    pub(super) fn run(&mut self, by: &mut dyn PollControl<'a, R>) -> Option<Divergence> {
+    pub(super) fn run(&mut self, by: &mut dyn PollControl<'a>) -> Option<Divergence> {
         let initial = self.observations.initial();
         self.close_layer(0, vec![(initial, NodeId::ROOT)], true, by);
         while self.continues()
@@ -206,7 +206,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
         time: u64,
         states: Vec<(State, NodeId)>,
         initial: bool,
-        by: &mut dyn PollControl<'a, R>,
+        by: &mut dyn PollControl<'a>,
     ) {
         self.layer.states.clear();
         self.layer.calm.clear();
@@ -262,7 +262,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
     }
 
     /// Turns the calm states of the layer into nodes, unless earlier nodes cover them.
-    fn keep_calm(&mut self, time: u64, links: &Links, by: &mut dyn PollControl<'a, R>) {
+    fn keep_calm(&mut self, time: u64, links: &Links, by: &mut dyn PollControl<'a>) {
         let layer = std::mem::take(&mut self.layer.states);
         self.layer.under_way = layer.memory() + links.memory();
         let redundant = self.redundant(&layer);
@@ -370,7 +370,7 @@ impl<'a, R: Reduced> Layers<'a, R> {
         &mut self,
         s: &mut State,
         at: Sight<NodeId>,
-        by: &mut dyn PollControl<'a, R>,
+        by: &mut dyn PollControl<'a>,
     ) -> Option<Divergence> {
         self.observations.waiting_after_jump(s, at);
         for gauge in 0..self.observations.gauges.len() {

@@ -4,8 +4,8 @@ use super::goals::{Goals, PerGoal};
 use crate::explore::measure::{Gauge, MeasurementMode, Timing};
 use crate::explore::never_observed::NeverObserved;
 use crate::explore::observe::{self, Observers};
-use crate::explore::reductions::{Kinds, Reduced, Reductions, SleepSet, Watched};
-use crate::explore::rules::{Action, Enabled};
+use crate::explore::reductions::{Kinds, Reductions, SleepSet, Watched};
+use crate::explore::rules::{Action, Enabled, Rules};
 use crate::explore::state::{Clocks, Stages, State, TaskStatus};
 use crate::explore::watch::Watch;
 use crate::property::Predicate;
@@ -40,9 +40,9 @@ pub(super) struct Seen<P> {
 }
 
 /// The rules of a system, with its watch and the observations so far.
-pub(super) struct Observations<'a, R: Reduced, P> {
-    pub(super) rules: R,
-    pub(super) reductions: R::Reductions,
+pub(super) struct Observations<'a, P> {
+    pub(super) rules: Rules<'a>,
+    pub(super) reductions: Reductions,
     pub(super) watch: &'a Watch,
     pub(super) goals: Goals<'a>,
     pub(super) observers: Observers,
@@ -52,9 +52,14 @@ pub(super) struct Observations<'a, R: Reduced, P> {
     pub(super) seen: Seen<P>,
 }
 
-impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
+impl<'a, P: Copy> Observations<'a, P> {
     /// Creates the observation of a watch, with the reductions that respect it.
-    pub(super) fn new(rules: &R, watch: &'a Watch, gauges: &'a [Gauge], without: Kinds) -> Self {
+    pub(super) fn new(
+        rules: &Rules<'a>,
+        watch: &'a Watch,
+        gauges: &'a [Gauge],
+        without: Kinds,
+    ) -> Self {
         let system = rules.system();
         let measured = |of: Timing| gauges.iter().any(|gauge| gauge.of == of && gauge.active());
         let measured_task = |task: usize| measured(Timing::Response(task));
@@ -83,7 +88,7 @@ impl<'a, R: Reduced, P: Copy> Observations<'a, R, P> {
             .collect();
         let asked = Watched { predicates, measured: clocks.response };
         let goals = Goals::of(watch);
-        let reductions = R::Reductions::new(&own, &asked, without);
+        let reductions = Reductions::new(&own, &asked, without);
         Observations {
             rules: own,
             watch,

@@ -19,7 +19,7 @@ use crate::cancel::Cancel;
 use crate::explore::findings::{Bound, Found, Measured};
 use crate::explore::measure::{Gauge, MeasurementMode};
 use crate::explore::reductions::{Kind, Kinds};
-use crate::explore::rules::{Action, Enabled, Rules, SystemRules};
+use crate::explore::rules::{Action, Enabled, Rules};
 use crate::explore::run::Run;
 use crate::explore::state::State;
 use crate::explore::watch::{ResponseTime, Watch};
@@ -64,7 +64,7 @@ pub struct Walked {
 
 /// Looks for the response times and the missed deadlines of a watch, with a limit on the number of actions.
 pub fn walk(system: &TimedSystem, watch: &Watch, actions: u64, cancel: &Cancel) -> Walked {
-    let rules = SystemRules::new(system);
+    let rules = Rules::new(system);
     // A job with a long response time misses its deadline.
     let of_deadlines = watch.schedulable.iter();
     let of_deadlines = of_deadlines.map(|&task| ResponseTime { task, limit: None, most: None });
@@ -197,7 +197,7 @@ struct Position {
 
 struct Walks<'a> {
     /// A sight is identified by the number of actions before it.
-    observations: Observations<'a, SystemRules<'a>, usize>,
+    observations: Observations<'a, usize>,
     /// Longest rest of a job from the beginning of a codel, by codel.
     rest: TiVec<CodelId, u64>,
     /// Longest time and the run to it, by response time.

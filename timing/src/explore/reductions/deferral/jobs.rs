@@ -19,7 +19,7 @@ use typed_index_collections::{TiSlice, ti_vec};
 
 use super::rest;
 use crate::explore::reductions::{Deferrable, Kind, Reason, Setting};
-use crate::explore::rules::SystemRules;
+use crate::explore::rules::Rules;
 use crate::explore::rules::status::permanent;
 use crate::explore::state::{State, phase};
 use crate::system::{
@@ -170,7 +170,7 @@ impl LazyMembers {
     }
 
     /// Returns the members whose ends can be postponed in a calm state, if there are any.
-    pub(crate) fn waiters(&self, rules: &SystemRules, s: &State) -> Option<Deferrable> {
+    pub(crate) fn waiters(&self, rules: &Rules, s: &State) -> Option<Deferrable> {
         let l = &rules.layout;
         let settled = rules.system.tasks.iter().zip(&self.members).enumerate().all(
             |(task, (entry, &lazy))| {

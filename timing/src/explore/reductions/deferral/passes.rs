@@ -15,7 +15,7 @@ use typed_index_collections::{TiVec, ti_vec};
 use super::rest;
 use crate::explore::reductions::components::{self, Groups};
 use crate::explore::reductions::{Deferrable, Kind, Reason, Setting, Watched};
-use crate::explore::rules::SystemRules;
+use crate::explore::rules::Rules;
 use crate::explore::state::State;
 use crate::scn::semantics::{PauseRule, TickRule};
 use crate::system::{ClientAction, CodelId, ComponentId, TimedSystem};
@@ -42,7 +42,7 @@ impl LazyComponents {
     }
 
     /// Returns the executors whose ends can be postponed in a calm state, if there are any.
-    pub(super) fn waiters(&self, rules: &SystemRules, s: &State) -> Option<Deferrable> {
+    pub(super) fn waiters(&self, rules: &Rules, s: &State) -> Option<Deferrable> {
         let can_defer_ends = !rules.keeps_first_tick(s, |task| self.lazy[task])
             && (self.rest.iter()).all(|&(task, state)| rules.rests(s, task, state));
         can_defer_ends.then(|| Deferrable { members: self.lazy.clone(), automata: false })

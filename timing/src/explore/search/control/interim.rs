@@ -2,7 +2,6 @@
 
 use super::SearchControl;
 use crate::explore::findings::{Findings, Found};
-use crate::explore::reductions::Reduced;
 use crate::explore::run::Run;
 use crate::explore::search::goals::{GoalId, PerGoal};
 use crate::explore::search::layers::Layers;
@@ -25,7 +24,7 @@ impl<'a> InterimFindings<'a> {
 impl<'a> SearchControl<'a> {
     /// Reports new final answers: failures, reached predicates, and predicates that are never reached. Later
     /// findings change neither the answers nor their runs.
-    pub(super) fn report_interim<R: Reduced>(&mut self, layers: &Layers<'a, R>) {
+    pub(super) fn report_interim(&mut self, layers: &Layers<'a>) {
         let Some(mut news) = self.news.take() else {
             return;
         };
@@ -59,11 +58,11 @@ impl<'a> SearchControl<'a> {
     }
 
     /// Returns true if a goal was seen, or has a final found run.
-    fn is_known<R: Reduced>(&self, layers: &Layers<'a, R>, goal: GoalId) -> bool {
+    fn is_known(&self, layers: &Layers<'a>, goal: GoalId) -> bool {
         layers.observations.seen.goals[goal].is_some() || self.final_run(goal).is_some()
     }
 
-    fn known_run<R: Reduced>(&self, layers: &Layers<'a, R>, goal: GoalId) -> Option<Run> {
+    fn known_run(&self, layers: &Layers<'a>, goal: GoalId) -> Option<Run> {
         let found_run = self.final_run(goal).cloned();
         found_run.or_else(|| layers.run_to(goal))
     }

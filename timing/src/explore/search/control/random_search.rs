@@ -12,7 +12,7 @@
 use rustc_hash::FxHashSet;
 
 use super::SearchControl;
-use crate::explore::reductions::{Kind, Reason, Reduced};
+use crate::explore::reductions::{Kind, Reason};
 use crate::explore::run::Run;
 use crate::explore::search::depth_first::{DepthFirstSearch, Order};
 use crate::explore::search::goals::{GoalId, Goals, PerGoal};
@@ -122,7 +122,7 @@ impl RandomSearch {
 
     /// Returns the random search for the next exploration of the same system, including the runs seen by this
     /// one.
-    pub(super) fn carried_over<R: Reduced>(mut self, layers: &Layers<'_, R>) -> RandomSearch {
+    pub(super) fn carried_over(mut self, layers: &Layers<'_>) -> RandomSearch {
         self.steps = 0;
         self.report_at = None;
         for goal in layers.observations.goals.ids() {
@@ -151,9 +151,9 @@ pub(super) fn check_suitable(watch: &Watch, limits: Limits) -> Result<(), Reason
 
 impl<'a> SearchControl<'a> {
     /// Returns the `wanted` goals that are neither seen nor settled otherwise, depending on their found run.
-    fn open_goals<R: Reduced>(
+    fn open_goals(
         &self,
-        layers: &Layers<'a, R>,
+        layers: &Layers<'a>,
         wanted: impl Fn(Option<&Run>) -> bool,
     ) -> impl Iterator<Item = GoalId> {
         layers.observations.goals.ids().filter(move |&goal| {
@@ -167,26 +167,26 @@ impl<'a> SearchControl<'a> {
     }
 
     /// Returns true if all properties of single states were seen or found.
-    pub(super) fn all_found<R: Reduced>(&self, layers: &Layers<'a, R>) -> bool {
+    pub(super) fn all_found(&self, layers: &Layers<'a>) -> bool {
         let mut left = self.open_goals(layers, |found_run| found_run.is_none());
         left.next().is_none()
     }
 
     /// Returns true if some goal was only found by random search, and may still be reached earlier.
-    pub(super) fn may_find_earlier_end<R: Reduced>(&self, layers: &Layers<'a, R>) -> bool {
+    pub(super) fn may_find_earlier_end(&self, layers: &Layers<'a>) -> bool {
         let now = layers.now;
         let mut left = self
             .open_goals(layers, |found_run| found_run.is_some_and(|found_run| found_run.end > now));
         left.next().is_some()
     }
 
-    pub(super) fn is_random_search_due<R: Reduced>(&self, layers: &Layers<'a, R>) -> bool {
+    pub(super) fn is_random_search_due(&self, layers: &Layers<'a>) -> bool {
         let random_search = self.random_search.as_ref();
         random_search.is_ok_and(|search| search.is_due(layers.steps, layers.is_dense()))
     }
 
     /// Returns the number of steps for each of the two searches for an earlier end.
-    pub(super) fn further<R: Reduced>(&self, layers: &Layers<'a, R>) -> u64 {
+    pub(super) fn further(&self, layers: &Layers<'a>) -> u64 {
         self.effort(layers).min(MAX_STEPS_FOR_EARLIER_END)
     }
 
@@ -198,7 +198,7 @@ impl<'a> SearchControl<'a> {
     }
 
     /// Makes found runs final, if the search has continued for long enough without seeing the goals.
-    fn settle_if_due<R: Reduced>(&mut self, layers: &Layers<'a, R>) {
+    fn settle_if_due(&mut self, layers: &Layers<'a>) {
         let due = self.random_search.as_ref().ok().and_then(|search| search.report_at);
         if due.is_none_or(|report| layers.steps < report) {
             return;
@@ -212,7 +212,7 @@ impl<'a> SearchControl<'a> {
     }
 
     /// Searches at random for goals that have not been seen, if a search is due.
-    pub(super) fn search_if_due<R: Reduced>(&mut self, layers: &mut Layers<'a, R>) {
+    pub(super) fn search_if_due(&mut self, layers: &mut Layers<'a>) {
         self.settle_if_due(layers);
         while layers.diverging.is_none() && self.is_random_search_due(layers) {
             let goals: Vec<GoalId> = self.open_goals(layers, |run| run.is_none()).collect();
@@ -252,7 +252,7 @@ impl<'a> SearchControl<'a> {
 
     /// Searches, for this many steps, for runs that end earlier than the found runs: first up to moments soon
     /// after the present one, then up to later and later moments.
-    pub(super) fn search_earlier_ends<R: Reduced>(&mut self, layers: &Layers<'a, R>, further: u64) {
+    pub(super) fn search_earlier_ends(&mut self, layers: &Layers<'a>, further: u64) {
         let goals: Vec<GoalId> = self.open_goals(layers, |run| run.is_some()).collect();
         let watch = layers.observations.goals.only(&goals);
         let mut search = beside(layers, &watch);
@@ -280,10 +280,10 @@ impl<'a> SearchControl<'a> {
     }
 
     /// Runs one search of a given length, up to a moment. Returns true if it has found anything new.
-    fn search<R: Reduced>(
+    fn search(
         &mut self,
-        layers: &Layers<'a, R>,
-        search: &mut DepthFirstSearch<'_, R>,
+        layers: &Layers<'a>,
+        search: &mut DepthFirstSearch<'_>,
         goals: &[GoalId],
         bounds: Option<(u64, u64)>,
     ) -> bool {
@@ -306,10 +306,10 @@ impl<'a> SearchControl<'a> {
         any
     }
 
-    pub(super) fn run_search<R: Reduced>(
+    pub(super) fn run_search(
         &mut self,
-        layers: &Layers<'a, R>,
-        search: &mut DepthFirstSearch<R>,
+        layers: &Layers<'a>,
+        search: &mut DepthFirstSearch,
         order: Order,
         bounds: Option<(u64, u64)>,
     ) {
@@ -337,7 +337,7 @@ impl<'a> SearchControl<'a> {
 }
 
 /// Returns a search for the system of some layers, within the same limits.
-fn beside<'w, R: Reduced>(layers: &Layers<'w, R>, watch: &'w Watch) -> DepthFirstSearch<'w, R> {
+fn beside<'w>(layers: &Layers<'w>, watch: &'w Watch) -> DepthFirstSearch<'w> {
     let rules = &layers.observations.rules;
     let observations = Observations::new(rules, watch, &[], layers.limits.without);
     DepthFirstSearch::new(observations, layers.limits, layers.cancel)

@@ -6,7 +6,6 @@
 
 use super::SearchControl;
 use crate::explore::measure::{Divergence, Gauge, MeasurementMode, Timing};
-use crate::explore::reductions::Reduced;
 use crate::explore::run::Run;
 use crate::explore::search::depth_first::{DepthFirstSearch, Order};
 use crate::explore::search::layers::Layers;
@@ -19,7 +18,7 @@ const MAX_DOUBLINGS: u32 = 5;
 
 impl<'a> SearchControl<'a> {
     /// Returns the next time to examine, among those that may have no bound.
-    pub(super) fn next_unbounded<R: Reduced>(&self, layers: &Layers<'a, R>) -> Option<usize> {
+    pub(super) fn next_unbounded(&self, layers: &Layers<'a>) -> Option<usize> {
         let random_search = self.random_search.as_ref().ok()?;
         let gauges = layers.observations.gauges.iter().enumerate();
         let endless = |&(i, gauge): &(usize, &Gauge)| {
@@ -31,9 +30,9 @@ impl<'a> SearchControl<'a> {
     }
 
     /// Runs some searches for a time without a bound.
-    pub(super) fn search_unbounded<R: Reduced>(
+    pub(super) fn search_unbounded(
         &mut self,
-        layers: &Layers<'a, R>,
+        layers: &Layers<'a>,
         gauge: usize,
     ) -> Option<Divergence> {
         let Gauge { of, limit, .. } = layers.observations.gauges[gauge];

@@ -1,7 +1,7 @@
 //! Effort of a search in layers: states, memory, and the reductions in use.
 
 use super::Layers;
-use crate::explore::reductions::{Activity, Kind, Reason, Reduced, Reductions, SleepSet};
+use crate::explore::reductions::{Activity, Kind, Reason, SleepSet};
 use crate::explore::search::graph::NodeId;
 use crate::explore::watch::Stop;
 
@@ -11,7 +11,7 @@ const MIN_BYTES_FOR_RUN: usize = 8 << 20;
 /// Number of steps per kept state above which instants are dense: then most effort goes into single moments.
 const STEPS_PER_STATE_OF_DENSE_INSTANTS: u64 = 64;
 
-impl<R: Reduced> Layers<'_, R> {
+impl Layers<'_> {
     /// Returns true if most effort goes into single moments.
     pub(in crate::explore::search) fn is_dense(&self) -> bool {
         self.steps > STEPS_PER_STATE_OF_DENSE_INSTANTS * self.graph.len() as u64

@@ -7,7 +7,6 @@ use rustc_hash::FxHashMap;
 use super::{Layers, STATES_PER_POLL};
 use crate::explore::measure::Timing;
 use crate::explore::observe;
-use crate::explore::reductions::{Reduced, Reductions};
 use crate::explore::rules::{Action, Enabled};
 use crate::explore::run::Run;
 use crate::explore::search::goals::{Goal, GoalId};
@@ -33,7 +32,7 @@ pub(in crate::explore::search) type ReconstructedRuns =
 /// The remaining times of all executing executors at a point of a run, in base units.
 type Point = Vec<Option<Ticks>>;
 
-impl<R: Reduced> Layers<'_, R> {
+impl Layers<'_> {
     /// Returns the run to a goal, if the goal was reached.
     pub(in crate::explore::search) fn run_to(&self, goal: GoalId) -> Option<Run> {
         let at = self.observations.seen.goals[goal]?;
