@@ -1,12 +1,12 @@
 //! The rules: a single step of the timed system.
 //!
 //! There is one set of rules, [`Rules`], for every reading of the points of the semantics: sections
-//! 3 to 9, 21 and 22 of the timed semantics. Strategies (`search`), goals and the store of states are
-//! written against the trait [`Rules`]: a chain adds a token to the rules (`explore::token`).
+//! 3 to 9, 21 and 22 of the timed semantics. For a chain they have a token
+//! in addition (`explore::token`).
 //!
 //! # The contract
 //!
-//! The users of this trait rely on the following; the rules keep all of it.
+//! The users of the rules rely on the following; the rules keep all of it.
 //!
 //! **States.** A state is two arrays of numbers ([`State`]). Rules choose the places with
 //! [`Places`](super::state::Places), and give a [`Frame`]. Equal numbers are equal states: numbers without a
