@@ -31,7 +31,7 @@ mod watch;
 pub use chain_spans::explore_chain;
 pub use continued::{Continued, NextStep};
 pub use details::{Blocker, Executing, MomentDetails};
-pub use findings::{Bound, Findings, Found, Measured};
+pub use findings::{Bound, Findings, Measured};
 pub(crate) use follow::follow;
 pub use liveness::{Liveness, LivenessQuery, liveness};
 pub use never_observed::{NeverObserved, TaskWithoutJob};

@@ -410,6 +410,11 @@ pub enum ClientAction {
 }
 
 impl TimedSystem {
+    /// Converts a time in base units.
+    pub fn seconds(&self, ticks: impl Into<i128>) -> Seconds {
+        self.unit * Seconds::from_integer(ticks.into())
+    }
+
     /// Returns `component.task`.
     pub fn task_path(&self, task: TaskId) -> String {
         self.task_name(task).to_string()

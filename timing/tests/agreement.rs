@@ -19,7 +19,7 @@ use self::brute::{Brute, CAP, Results};
 use dotgen_timing::abstraction::{Budget, abstract_bounds};
 use dotgen_timing::analytic::{meets_deadlines, response_bounds};
 use dotgen_timing::explore::{
-    Bound, Found, Kind, Limits, Measured, ResponseTime, Stop, Watch, Within, explore, search_once,
+    Bound, Kind, Limits, Measured, ResponseTime, Run, Stop, Watch, Within, explore, search_once,
 };
 use dotgen_timing::property::Predicate;
 use dotgen_timing::system::{TaskId, TimedSystem};
@@ -96,10 +96,8 @@ fn compare_system(
         )));
     }
     let check = || -> Result<(), String> {
-        let replay = |found: &Found| {
-            brute
-                .replay(&found.run.steps, found.run.end)
-                .map_err(|why| format!("{why}: {:?}", found.run))
+        let replay = |found: &Run| {
+            brute.replay(&found.steps, found.end).map_err(|why| format!("{why}: {found:?}"))
         };
         let agree = |what: &str, i: usize, one: bool, other: bool| {
             if one == other {
@@ -121,19 +119,19 @@ fn compare_system(
                 if let Some(found) = &list[t]
                     && !pick(&replay(found)?)[t]
                 {
-                    return Err(format!("run of task {t} shows nothing: {:?}", found.run));
+                    return Err(format!("run of task {t} shows nothing: {found:?}"));
                 }
             }
         }
         for (asked, response) in watch.response.iter().zip(&found.response) {
             let t = asked.task;
-            let age = |found: &Found| Ok(replay(found)?.response[usize::from(t)]);
+            let age = |found: &Run| Ok(replay(found)?.response[usize::from(t)]);
             bound("response", usize::from(t), expected.response[usize::from(t)], response, age)?;
             let first = &expected.response_at[usize::from(t)];
             excess("response", usize::from(t), asked.limit, first, response, age)?;
         }
         for (i, asked) in watch.within.iter().enumerate() {
-            let age = |found: &Found| Ok(replay(found)?.within[i]);
+            let age = |found: &Run| Ok(replay(found)?.within[i]);
             bound("within", i, expected.within[i], &found.within[i], age)?;
             let first = &expected.within_at[i];
             excess("within", i, asked.limit, first, &found.within[i], age)?;
@@ -264,10 +262,10 @@ fn chased(seed: u64, brute: &Brute, expected: &Results) -> Result<(), String> {
         if found.stopped.is_some() {
             return Err(format!("search {number} gave up"));
         }
-        let shows = |found: &Found, pick: fn(&Results) -> &Vec<bool>, task: usize| {
-            let last = brute.replay(&found.run.steps, found.run.end);
+        let shows = |found: &Run, pick: fn(&Results) -> &Vec<bool>, task: usize| {
+            let last = brute.replay(&found.steps, found.end);
             last.map(|replay| pick(&replay)[task])
-                .map_err(|why| format!("search {number}: {why}: {:?}", found.run))
+                .map_err(|why| format!("search {number}: {why}: {found:?}"))
         };
         let lists = [
             (&found.missed, (|results| &results.missed) as fn(&Results) -> &Vec<bool>),
@@ -295,7 +293,7 @@ fn bound(
     i: usize,
     expected: Option<u32>,
     found: &Option<Measured>,
-    replay: impl Fn(&Found) -> Result<Option<u32>, String>,
+    replay: impl Fn(&Run) -> Result<Option<u32>, String>,
 ) -> Result<(), String> {
     let value = found.as_ref().map(|measurement| match measurement.bound {
         Bound::Unbounded => CAP,
@@ -311,7 +309,7 @@ fn bound(
     let reached = replay(longest)?;
     match found.bound {
         Bound::Finite(value) if reached != Some(value.min(CAP)) => {
-            Err(format!("{what} {i} is {value}, its run reaches {reached:?}: {:?}", longest.run))
+            Err(format!("{what} {i} is {value}, its run reaches {reached:?}: {longest:?}"))
         }
         _ => Ok(()),
     }
@@ -325,7 +323,7 @@ fn excess(
     limit: Option<u32>,
     first: &[u64],
     found: &Option<Measured>,
-    replay: impl Fn(&Found) -> Result<Option<u32>, String>,
+    replay: impl Fn(&Run) -> Result<Option<u32>, String>,
 ) -> Result<(), String> {
     let expected = limit.and_then(|limit| first.get(limit as usize + 1));
     let run = found.as_ref().and_then(|measurement| measurement.excess.as_ref());
@@ -342,13 +340,13 @@ fn excess(
     };
     let reached = replay(run)?;
     let unbounded = found.as_ref().is_some_and(|measurement| measurement.bound == Bound::Unbounded);
-    let as_early = expected
-        .is_none_or(|&it_ends| run.run.end == it_ends || (unbounded && run.run.end > it_ends));
+    let as_early =
+        expected.is_none_or(|&it_ends| run.end == it_ends || (unbounded && run.end > it_ends));
     if reached <= Some(limit).min(Some(CAP - 1)) || !as_early {
         return Err(format!(
             "{what} {i}, limit {limit}: brute exceeds it at {expected:?}, this run reaches {reached:?} \
              at {}: {:?}",
-            run.run.end, run.run
+            run.end, run
         ));
     }
     Ok(())

@@ -3,7 +3,6 @@
 use std::time::Instant;
 
 use dotgen_analysis::model::Seconds;
-use num_rational::Ratio;
 
 use super::change::Change;
 use crate::explore::Limits;
@@ -92,7 +91,7 @@ impl<'t> Trial<'t> {
     }
 
     fn seconds(&self, ticks: Ticks) -> Seconds {
-        self.built.system.unit * Ratio::from_integer(i128::from(ticks))
+        self.built.system.seconds(ticks)
     }
 
     fn shown(&self, seconds: Seconds) -> f64 {

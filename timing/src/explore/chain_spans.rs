@@ -61,9 +61,9 @@ fn spans(system: &TimedSystem, chain: &Chain, measured: &Measured) -> ChainSpans
             run.spans(&rules, &Observers::default(), age, &spent)
         }
     };
-    let longest = &measured.longest.run;
+    let longest = &measured.longest;
     let length = longest.length_of_cycle();
-    let late = measured.excess.as_ref().map_or(longest, |excess| &excess.run);
+    let late = measured.excess.as_ref().unwrap_or(longest);
     // An age without a bound comes from data that codels hand on to themselves, not from what goes on.
     let is_endless = length > 0 && chain.kind == ChainKind::Reaction;
     let cycle = if is_endless { of_run(longest, &|_| length) } else { Vec::new() };

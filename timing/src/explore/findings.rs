@@ -16,42 +16,35 @@ pub enum Bound {
     Unbounded,
 }
 
-/// A finding, with a run that shows it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Found {
-    /// Run from time 0 to the state.
-    pub run: Run,
-}
-
 /// A time that was measured.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Measured {
     /// Supremum.
     pub bound: Bound,
     /// Run that reaches the supremum, or shows that there is none.
-    pub longest: Found,
+    pub longest: Run,
     /// Run that exceeds the limit, and ends as soon as the limit is exceeded. If the time has a bound, no run
     /// exceeds the limit earlier.
-    pub excess: Option<Found>,
+    pub excess: Option<Run>,
 }
 
 /// The findings of an exploration. Lists correspond to those of the [`Watch`](super::watch::Watch).
 #[derive(Debug, Clone, Default)]
 pub struct Findings {
     /// Runs in which a tick came before its job had ended.
-    pub missed: Vec<Option<Found>>,
+    pub missed: Vec<Option<Run>>,
     /// Runs in which a task waited for a core for its whole period.
-    pub overdue: Vec<Option<Found>>,
+    pub overdue: Vec<Option<Run>>,
     /// Response times; `None` if the task was never released.
     pub response: Vec<Option<Measured>>,
     /// Runs that reach the predicates.
-    pub reached: Vec<Option<Found>>,
+    pub reached: Vec<Option<Run>>,
     /// Least bounds; `None` if the first predicate never became true.
     pub within: Vec<Option<Measured>>,
     /// Jobs and atoms that no examined state has.
     pub absent: NeverObserved,
     /// Run to a deadlock.
-    pub deadlock: Option<Found>,
+    pub deadlock: Option<Run>,
     /// Services with a request that was refused because no slot was free.
     pub refused: Vec<ServiceId>,
     /// Services that interrupt themselves, if two waiting instances interrupted each other.

@@ -16,7 +16,7 @@ use super::rules::Action;
 use super::run::{Run, SystemRun};
 use super::stepper::{Possible, Seen, Stepper, Watched};
 use super::watch::Watch;
-use super::{Bound, Findings, Found, Measured, Stop};
+use super::{Bound, Findings, Measured, Stop};
 use crate::cancel::Cancel;
 use crate::system::{FOREVER, Ticks, TimedSystem};
 
@@ -47,7 +47,7 @@ pub(crate) fn follow(
         let mut follower = Follower::new(system, watch, &guide, attempt);
         follower.run(&mut budget, cancel)
     })?;
-    let found = || Some(Found { run: run.clone() });
+    let found = || Some(run.clone());
     let measured = |limit: Option<Ticks>| {
         let bound = Bound::Finite(limit?.saturating_add(1));
         Some(Measured { bound, longest: found()?, excess: found() })
@@ -77,7 +77,7 @@ struct Guide {
 impl Guide {
     fn new(guide: &SystemRun) -> Guide {
         let system = &guide.system;
-        let seconds = |ticks: u64| system.unit * Ratio::from_integer(i128::from(ticks));
+        let seconds = |ticks: u64| system.seconds(ticks);
         let mut stepper = Stepper::new(system, &Watched::default());
         let mut seen = Vec::new();
         stepper.begin(&mut seen);

@@ -41,9 +41,9 @@ pub(super) fn without_marks(measurement: &mut Measured) {
         }
         run.steps.retain(|step| !is_mark(&step.1));
     };
-    strip(&mut measurement.longest.run);
+    strip(&mut measurement.longest);
     if let Some(excess) = &mut measurement.excess {
-        strip(&mut excess.run);
+        strip(excess);
     }
 }
 

@@ -1,11 +1,9 @@
 //! Answers to single checks, from the findings of an exploration.
 
-use num_rational::Ratio;
-
 use super::Group;
 use super::checks::{Single, What};
 use super::units::{limit_text, seconds};
-use crate::explore::{Bound, Findings, Found, LivenessQuery, Measured, Stop, liveness};
+use crate::explore::{Bound, Findings, LivenessQuery, Measured, Run, Stop, liveness};
 use crate::property::{Atom, Predicate, resolve};
 use crate::report::{
     CheckId, CheckReport, Event, GaveUp, Limit, Report, Soundness, Value, Verdict,
@@ -101,9 +99,9 @@ impl Group<'_> {
     pub(super) fn one(&self, check: &Single, place: usize, found: &Findings) -> CheckReport {
         let mut out = self.blank(check);
         let (stopped, size) = (found.stopped, (found.states, found.bytes));
-        let absent = |result: &Option<Found>, out: &mut CheckReport| match result {
+        let absent = |result: &Option<Run>, out: &mut CheckReport| match result {
             Some(found) => {
-                self.refute(&found.run, out);
+                self.refute(found, out);
             }
             None => self.unless_stopped(stopped, size, Verdict::Proved, out),
         };
@@ -113,10 +111,10 @@ impl Group<'_> {
             What::Always(_) | What::Pattern(_) => absent(&found.reached[place], &mut out),
             What::Deadlock => absent(&found.deadlock, &mut out),
             What::Reachable(_) => match &found.reached[place] {
-                Some(found) if out.rounded => self.candidate(&found.run, &mut out),
+                Some(found) if out.rounded => self.candidate(found, &mut out),
                 Some(found) => {
                     out.verdict = Verdict::Proved;
-                    self.witness(&found.run, &mut out);
+                    self.witness(found, &mut out);
                 }
                 None => self.unless_stopped(stopped, size, Verdict::Refuted, &mut out),
             },
@@ -128,7 +126,7 @@ impl Group<'_> {
                     out.note = self.loop_of(task);
                 }
                 if let Some(measured) = &found.response[place] {
-                    self.spent_by_task(task, &measured.longest.run, &mut out);
+                    self.spent_by_task(task, &measured.longest, &mut out);
                 }
                 let end = exceeded(&found.response[place]).filter(|_| !out.rounded);
                 if let (Some(end), Some(bound)) = (end, bound) {
@@ -143,8 +141,8 @@ impl Group<'_> {
             What::Within(trigger, list, bound) => {
                 self.bounded(&found.within[place], NEVER_TRUE, found, &mut out);
                 if let Some(measured) = &found.within[place] {
-                    let longest = &measured.longest.run;
-                    let run = measured.excess.as_ref().map_or(longest, |excess| &excess.run);
+                    let longest = &measured.longest;
+                    let run = measured.excess.as_ref().unwrap_or(longest);
                     self.spent_until_response((trigger, list), (run, longest), &mut out);
                 }
                 let end = exceeded(&found.within[place]).filter(|_| !out.rounded);
@@ -203,11 +201,9 @@ impl Group<'_> {
             self.unless_stopped(found.stopped, (found.states, found.bytes), Verdict::Vacuous, out);
             return;
         };
-        let base = self.built.system.unit;
-        let time = |ticks| base * Ratio::from_integer(i128::from(ticks));
         out.value = Some(match measurement.bound {
             Bound::Unbounded => Value::Unbounded,
-            Bound::Finite(ticks) => Value::Time(self.unit.from_seconds(time(ticks))),
+            Bound::Finite(ticks) => self.time(ticks),
         });
         if let Some(excess) = &measurement.excess {
             if matches!(measurement.bound, Bound::Finite(_)) {
@@ -217,11 +213,11 @@ impl Group<'_> {
                     note.push_str(": this is a lower bound");
                 }
             }
-            self.refute(&excess.run, out);
+            self.refute(excess, out);
         } else if measurement.bound == Bound::Unbounded {
-            self.refute(&measurement.longest.run, out);
+            self.refute(&measurement.longest, out);
         } else {
-            self.witness(&measurement.longest.run, out);
+            self.witness(&measurement.longest, out);
             self.unless_stopped(found.stopped, (found.states, found.bytes), Verdict::Proved, out);
         }
     }
@@ -356,6 +352,6 @@ fn sequence(list: &[Pred]) -> String {
 
 /// Returns the time, in base units, at which a known run exceeds the limit.
 pub(super) fn exceeded(measurement: &Option<Measured>) -> Option<u64> {
-    let run = &measurement.as_ref()?.excess.as_ref()?.run;
+    let run = measurement.as_ref()?.excess.as_ref()?;
     (!run.left_out).then_some(run.end)
 }

@@ -1,7 +1,5 @@
 //! Conversion of runs to the events of a report.
 
-use num_rational::Ratio;
-
 use super::Group;
 use crate::explore::{Blocker, Executing, Moment, MomentDetails, MomentKind, Run};
 use crate::report::{Blocking, CheckReport, Event, TimeUnit, Verdict};
@@ -49,9 +47,7 @@ impl Group<'_> {
 
     /// Returns the final event of a run that exceeds a limit.
     pub(super) fn excess_event(&self, end: u64, thread: ThreadName, what: String) -> Event {
-        let time = self.built.system.unit * Ratio::from_integer(i128::from(end));
-        let time = self.unit.from_seconds(time);
-        Event::of_thread(time, thread, MomentKind::Excess, what)
+        Event::of_thread(self.at(end), thread, MomentKind::Excess, what)
     }
 }
 
@@ -74,7 +70,7 @@ pub(super) fn told(names: &Names, system: &TimedSystem, unit: TimeUnit, run: &Ru
             (None, Some(task)) => system.tasks[task].src.map(|(c, src)| (spec_of(c), src)),
             (None, None) => None,
         };
-        let time = unit.from_seconds(system.unit * Ratio::from_integer(i128::from(moment.time)));
+        let time = unit.from_seconds(system.seconds(moment.time));
         let mut event = Event {
             for_core: moment.about == MomentDetails::AwaitsCore,
             codel: moment.codel.map(path),

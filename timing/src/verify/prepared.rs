@@ -1,7 +1,5 @@
 //! Systems prepared for a run, with the questions of their checks.
 
-use num_rational::Ratio;
-
 use super::checks::{Single, What, expand};
 use super::{Cancel, Group, Options, SystemInput, events, settings};
 use crate::diagnostic::Diagnostic;
@@ -158,13 +156,13 @@ impl Prepared {
 
     /// Converts a time from base units to the unit of the report.
     pub fn time(&self, ticks: u64) -> f64 {
-        let time = self.built.system.unit * Ratio::from_integer(i128::from(ticks));
+        let time = self.built.system.seconds(ticks);
         self.report.unit.from_seconds(time)
     }
 
     /// Converts a time from base units to seconds.
     pub fn seconds(&self, ticks: u64) -> f64 {
-        to_f64(self.built.system.unit * Ratio::from_integer(i128::from(ticks)))
+        to_f64(self.built.system.seconds(ticks))
     }
 
     /// Converts seconds, which must not be negative, to base units, rounded down.

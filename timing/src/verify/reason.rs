@@ -1,7 +1,5 @@
 //! The causes of a late job: the resources it waited for, since when, and their holders.
 
-use num_rational::Ratio;
-
 use super::Group;
 use crate::explore::{Moment, MomentKind, Run};
 use crate::report::{Awaited, CheckReport, Delay, Holder, JobExecutions, LateJob};
@@ -28,18 +26,16 @@ impl Group<'_> {
         let system = &self.built.system;
         let task = *self.built.tasks.get(&check.id.task?)?;
         let job = run.last_job(system, task, check.kind.is_deadline())?;
-        let seconds = |at: u64| system.unit * Ratio::from_integer(i128::from(at));
-        let time = |at: u64| self.unit.from_seconds(seconds(at));
         let executed = job.works.iter().map(|work| JobExecutions {
             codel: system.codels[work.codel].path.clone(),
             times: work.times,
-            time: time(work.executed),
-            preempted: time(work.preempted),
+            time: self.at(work.executed),
+            preempted: self.at(work.preempted),
         });
         Some(LateJob {
-            from: time(job.from),
-            begun: time(job.begun),
-            until: time(job.until),
+            from: self.at(job.from),
+            begun: self.at(job.begun),
+            until: self.at(job.until),
             executed: executed.collect(),
         })
     }
@@ -51,8 +47,6 @@ impl Group<'_> {
         };
         let system = &self.built.system;
         let followed = Intervals::new(system, &run.moments(system), *task, run.end);
-        let seconds = |at: u64| system.unit * Ratio::from_integer(i128::from(at));
-        let time = |at: u64| self.unit.from_seconds(seconds(at));
         let path = |codel: CodelId| system.codels[codel].path.clone();
         let delay = |(wait, until): &(Wait, u64)| {
             let has = |possession: &&Possession| match (wait.codel, possession.codel) {
@@ -68,8 +62,8 @@ impl Group<'_> {
             let held = held.map(|possession| Holder {
                 codel: possession.codel.map(path),
                 by: possession.by.clone(),
-                from: time(possession.from),
-                until: time(possession.until),
+                from: self.at(possession.from),
+                until: self.at(possession.until),
             });
             Delay {
                 awaited: match wait.codel {
@@ -77,8 +71,8 @@ impl Group<'_> {
                     None => Awaited::Core,
                 },
                 codel: wait.codel.map(path),
-                from: time(wait.from),
-                until: time(*until),
+                from: self.at(wait.from),
+                until: self.at(*until),
                 held: held.collect(),
             }
         };

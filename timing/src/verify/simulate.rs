@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use num_rational::Ratio;
-
 use super::{Group, SystemInput, events};
 use crate::explore::{Action, NextStep, Run, SystemRun};
 use crate::report::{Event, TimeUnit};
@@ -64,8 +62,7 @@ impl SystemRun {
         // An event belongs to the step after which the list is longer than its index.
         let steps = ends.partition_point(|&end| end <= after);
         let continued = self.run.continued(system, steps, take);
-        let time =
-            |ticks: u64| unit.from_seconds(system.unit * Ratio::from_integer(i128::from(ticks)));
+        let time = |ticks: u64| unit.from_seconds(system.seconds(ticks));
         let (_, ends) = continued.run.moments_by_step(system);
         let events = events::told(&names, system, unit, &continued.run);
         let choices = continued.next.iter().map(|(next, first)| match (next, first) {

@@ -1,7 +1,5 @@
 //! The intervals of measured times, as data of a report.
 
-use num_rational::Ratio;
-
 use super::Group;
 use crate::explore::{Run, Span, Spent, Within};
 use crate::property::resolve;
@@ -67,11 +65,9 @@ impl Group<'_> {
             return;
         }
         let system = &self.built.system;
-        let time =
-            |at: u64| self.unit.from_seconds(system.unit * Ratio::from_integer(i128::from(at)));
         let stretch = |span: &Span| {
             let (thread, kind) = described(system, span.spent);
-            let (from, until) = (time(span.from), time(span.until));
+            let (from, until) = (self.at(span.from), self.at(span.until));
             Stretch { from, until, thread, kind, begins: span.begins }
         };
         out.spent = late.iter().map(stretch).collect();

@@ -9,9 +9,13 @@ use crate::scn::ast::{Bound, Unit};
 use crate::system::Ticks;
 
 impl Group<'_> {
+    /// Converts a time from base units to the unit of the report.
+    pub(super) fn at(&self, ticks: impl Into<i128>) -> f64 {
+        self.unit.from_seconds(self.built.system.seconds(ticks))
+    }
+
     pub(super) fn time(&self, ticks: Ticks) -> Value {
-        let time = self.built.system.unit * Ratio::from_integer(i128::from(ticks));
-        Value::Time(self.unit.from_seconds(time))
+        Value::Time(self.at(ticks))
     }
 
     pub(super) fn describe(&self, ticks: Ticks) -> String {

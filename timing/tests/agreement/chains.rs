@@ -87,7 +87,7 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
         return failed(format!("limit {limit:?}: exceeded {exceeded}, brute {expected:?}"));
     }
     if let Some(excess) = measured.and_then(|measurement| measurement.excess.as_ref())
-        && let Err(why) = adds_up(&found.chain.late, excess.run.end, limit)
+        && let Err(why) = adds_up(&found.chain.late, excess.end, limit)
     {
         return failed(format!("{why}: {:?}", found.chain.late));
     }
@@ -96,8 +96,8 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
         .iter()
         .flat_map(|measurement| std::iter::once(&measurement.longest).chain(&measurement.excess))
     {
-        if let Err(why) = brute.replay(&excess.run.steps, excess.run.end) {
-            return failed(format!("{why}: {:?}", excess.run));
+        if let Err(why) = brute.replay(&excess.steps, excess.end) {
+            return failed(format!("{why}: {excess:?}"));
         }
     }
     Some(Ok(()))

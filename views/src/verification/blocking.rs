@@ -6,7 +6,6 @@ use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::build::build;
 use dotgen_timing::system::{Codel, CodelName, FOREVER, SharedPorts};
 use dotgen_timing::verify::{Options, settings};
-use num_rational::Ratio;
 
 use super::Problem;
 use dotgen_timing::report::TimeUnit;
@@ -54,7 +53,7 @@ pub fn table(problem: &Problem, options: &Options) -> Vec<Row> {
     let ports = SharedPorts::new(&names, &settings);
     let (unit, system) = (TimeUnit::of(&settings), &built.system);
     let at = |codel: &Codel| {
-        let time = system.unit * Ratio::from_integer(i128::from(codel.upper));
+        let time = system.seconds(codel.upper);
         let finite = codel.upper != FOREVER;
         CodelLocation {
             path: codel.path.clone(),

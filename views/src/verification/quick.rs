@@ -8,7 +8,6 @@ use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::build::build;
 use dotgen_timing::system::indexed::DeclaredTask;
 use dotgen_timing::verify::{Options, settings};
-use num_rational::Ratio;
 
 use super::Problem;
 use dotgen_timing::report::TimeUnit;
@@ -35,7 +34,7 @@ pub fn quick_bounds(problem: &Problem, options: &Options) -> Vec<TaskBound> {
     let (unit, system) = (TimeUnit::of(&settings), &built.system);
     let bounds = response_bounds(system);
     let of_task = |(&id, &task): (&DeclaredTask, &TaskId)| {
-        let bound: Seconds = system.unit * Ratio::from_integer(i128::from(bounds[task]?));
+        let bound: Seconds = system.seconds(bounds[task]?);
         Some(TaskBound { id, task: system.task_path(task), bound: unit.from_seconds(bound) })
     };
     let mut out: Vec<TaskBound> = built.tasks.iter().filter_map(of_task).collect();

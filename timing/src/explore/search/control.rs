@@ -15,7 +15,7 @@ use self::random_search::RandomSearch;
 use super::layers::trace::Target;
 use super::layers::{Layers, PollControl};
 use crate::explore::ChainSpans;
-use crate::explore::findings::{Bound, Findings, Found, Measured};
+use crate::explore::findings::{Bound, Findings, Measured};
 use crate::explore::measure::MeasurementMode;
 use crate::explore::reductions::{Activity, Kind, Reason};
 use crate::explore::run::Run;
@@ -147,17 +147,11 @@ impl<'a> SearchControl<'a> {
 
     /// Returns the finding for each gauge.
     fn measured(layers: &Layers<'a>) -> Vec<Option<Measured>> {
-        let found = |run| Found { run };
         let of = |i: usize| {
             let gauge = &layers.observations.gauges[i];
             let excess = gauge.excess.clone().or_else(|| layers.excess_run(i));
-            let excess = excess.map(found);
             if let MeasurementMode::Unbounded(run) = &gauge.how {
-                return Some(Measured {
-                    bound: Bound::Unbounded,
-                    longest: found(run.clone()),
-                    excess,
-                });
+                return Some(Measured { bound: Bound::Unbounded, longest: run.clone(), excess });
             }
             let longest = layers.observations.seen.longest[i];
             let (reached, limit) = (longest.map(|longest| longest.value), gauge.limit);
@@ -167,13 +161,13 @@ impl<'a> SearchControl<'a> {
                 // Found by an earlier exploration, but not by this one.
                 return Some(Measured {
                     bound: Bound::Finite(limit + 1),
-                    longest: found(run.clone()),
+                    longest: run.clone(),
                     excess,
                 });
             }
             longest.map(|longest| Measured {
                 bound: Bound::Finite(longest.value),
-                longest: found(layers.trace(longest.at, &Target::Lasts(gauge.of, longest.value))),
+                longest: (layers.trace(longest.at, &Target::Lasts(gauge.of, longest.value))),
                 excess,
             })
         };
@@ -195,7 +189,7 @@ impl<'a> SearchControl<'a> {
         let [missed, overdue, reached] = goals.split(goals.each(|goal| {
             let found_run = || Some(random_search?.found_run(goal)?.run.clone());
             let run: Run = layers.run_to(goal).or_else(found_run)?;
-            Some(Found { run })
+            Some(run)
         }));
         let mut response = Self::measured(layers);
         let within = response.split_off(watch.response.len());
@@ -211,7 +205,7 @@ impl<'a> SearchControl<'a> {
             within,
             absent: layers.observations.seen.absent.clone(),
             chain: ChainSpans::default(),
-            deadlock: deadlock.map(|at| Found { run: layers.trace(at, &Target::Deadlock) }),
+            deadlock: deadlock.map(|at| layers.trace(at, &Target::Deadlock)),
             refused: self.refused(layers),
             restarts: restarts.collect(),
             reductions: vec![self.activities(layers)],

@@ -11,7 +11,7 @@ use super::goals::{Goals, PerGoal};
 use super::layers::covering;
 use super::observations::{Longest, Observations, Sight};
 use crate::cancel::Cancel;
-use crate::explore::findings::{Findings, Found};
+use crate::explore::findings::Findings;
 use crate::explore::reductions::SleepSet;
 use crate::explore::rules::{Action, Enabled, Rules};
 use crate::explore::run::Run;
@@ -368,8 +368,7 @@ pub fn search_once(
     let mut search = DepthFirstSearch::new(observations, limits, cancel);
     let room = search.run(Order::numbered(number), steps, u64::MAX, (0, 0));
     let goals = Goals::of(watch);
-    let found = |run: Option<Run>| run.map(|run| Found { run });
-    let mut found_run = search.found_run().into_values().map(found);
+    let mut found_run = search.found_run().into_values();
     let [missed, overdue, reached] = goals.split(goals.each(|_| found_run.next().flatten()));
     Findings {
         missed,

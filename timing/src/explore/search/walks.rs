@@ -16,7 +16,7 @@ use typed_index_collections::{TiVec, ti_vec};
 
 use super::observations::{Observations, Sight};
 use crate::cancel::Cancel;
-use crate::explore::findings::{Bound, Found, Measured};
+use crate::explore::findings::{Bound, Measured};
 use crate::explore::measure::{Gauge, MeasurementMode};
 use crate::explore::reductions::{Kind, Kinds};
 use crate::explore::rules::{Action, Enabled, Rules};
@@ -57,7 +57,7 @@ pub struct Walked {
     /// The longest response times, in the order of the watch.
     pub response: Vec<Option<Measured>>,
     /// Runs to missed deadlines, in the order of the watch.
-    pub missed: Vec<Option<Found>>,
+    pub missed: Vec<Option<Run>>,
     /// Number of actions, each of which leads to a state.
     pub actions: u64,
 }
@@ -94,13 +94,13 @@ pub fn walk(system: &TimedSystem, watch: &Watch, actions: u64, cancel: &Cancel) 
     let response = walks.best.into_iter().take(count - deadlines);
     Walked {
         response: response.map(|best| best.map(measured)).collect(),
-        missed: walks.missed.into_iter().map(|run| Some(Found { run: run? })).collect(),
+        missed: walks.missed,
         actions,
     }
 }
 
 fn measured((value, run): (Ticks, Run)) -> Measured {
-    Measured { bound: Bound::Finite(value), longest: Found { run }, excess: None }
+    Measured { bound: Bound::Finite(value), longest: run, excess: None }
 }
 
 /// The aim of a walk.

@@ -1,7 +1,6 @@
 //! Codels that block a task of another component, or a task with which they share nothing, for a whole
 //! period.
 
-use num_rational::Ratio;
 use typed_index_collections::{TiVec, ti_vec};
 
 use super::Builder;
@@ -131,6 +130,6 @@ impl Builder<'_> {
     }
 
     fn seconds(&self, time: Ticks) -> dotgen_analysis::model::Seconds {
-        self.out.system.unit * Ratio::from_integer(i128::from(time))
+        self.out.system.seconds(time)
     }
 }

@@ -1,7 +1,7 @@
 //! Intermediate findings: final answers, reported while the exploration goes on.
 
 use super::SearchControl;
-use crate::explore::findings::{Findings, Found};
+use crate::explore::findings::Findings;
 use crate::explore::run::Run;
 use crate::explore::search::goals::{GoalId, PerGoal};
 use crate::explore::search::layers::Layers;
@@ -34,7 +34,7 @@ impl<'a> SearchControl<'a> {
         if goals.ids().any(is_new) {
             let [missed, overdue, reached] = goals.split(goals.each(|goal| {
                 let run = is_new(goal).then(|| self.known_run(layers, goal));
-                run.flatten().map(|run| Found { run })
+                run.flatten()
             }));
             news.reported = Some(goals.each(|goal| self.is_known(layers, goal)));
             let watch = layers.observations.watch;
