@@ -17,7 +17,6 @@ mod runtime;
 mod semantics;
 mod session;
 mod size;
-mod templates;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -89,9 +88,6 @@ enum What {
     /// Components on the real clock: codels, ticks, ports, requests. Needs compilers and Linux, for ports
     /// between runs a --dotgen with Zenoh, and compares with `cyclictest` if it is installed.
     Runtime,
-    /// GenoM3's own templates, run without Tcl and by Tcl. DOTGEN_TEST_TEMPLATES and
-    /// DOTGEN_TEST_TEMPLATES_2_99_41 name the folders of templates of 2.99.39 and 2.99.41.
-    Templates,
     /// Answers under the semantics of the servers and under the published one, and the point that makes the
     /// difference.
     Semantics,
@@ -129,7 +125,6 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
             let task_seconds = options.task_seconds.unwrap_or(options.seconds);
             runtime::runtime(&dotgen, options.seconds, task_seconds)?;
         }
-        What::Templates => return templates::templates(&dotgen, runs(15)),
         What::Semantics => semantics::semantics(&dotgen)?,
         What::Size => size::size(&dotgen, &options.components, runs(3))?,
         What::Tiny => size::tiny(&dotgen, runs(3))?,

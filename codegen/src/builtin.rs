@@ -5,18 +5,14 @@
 
 mod arguments;
 mod expand;
-mod genom3_templates;
 mod json_schema;
 mod manifest;
 mod mappings;
 mod python;
 mod render;
 mod ros2_interfaces;
-mod skeleton;
 
 use std::path::{Component, Path, PathBuf};
-
-use dotgen_analysis::release::Release;
 
 use crate::compiler::Compiler;
 use crate::disk::Disk;
@@ -135,36 +131,12 @@ pub(crate) fn run(
     env: &mut Environment<'_>,
 ) -> Option<i32> {
     let result = if name == "mappings" {
-        mappings::run(args, options, compiler, env, false)
+        mappings::run(args, options, compiler, env)
     } else if name == ros2_interfaces::NAME {
         ros2_interfaces::run(args, options, compiler, env)
     } else {
         let found = EMBEDDED.iter().find(|embedded| embedded.name == name)?;
         render::run(name, &Texts::Embedded(found.files), args, options, compiler, env)
-    };
-    Some(finish(name, result, env))
-}
-
-/// Runs the Tcl template of a folder without Tcl, if the folder is the known template of the release in force
-/// and dotgen's own produces the same bytes for these arguments; `None` otherwise.
-pub(crate) fn run_known(
-    dir: &Path,
-    args: &[String],
-    release: Release,
-    options: &Options,
-    mut compiler: Compiler,
-    env: &mut Environment<'_>,
-) -> Option<i32> {
-    let (name, of_release) = genom3_templates::template(&*env.disk, dir)?;
-    if of_release != release {
-        return None;
-    }
-    let result = match name {
-        "mappings" if mappings::is_plain(args) => {
-            mappings::run(args, options, &mut compiler, env, true)
-        }
-        "skeleton" => skeleton::run(dir, args, release, options, compiler, env)?,
-        _ => return None,
     };
     Some(finish(name, result, env))
 }

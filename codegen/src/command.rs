@@ -172,19 +172,6 @@ fn template(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
             return 2;
         }
     };
-    if !options.verbose
-        && !options.debug
-        && let Some(status) = crate::builtin::run_known(
-            &dir,
-            arguments,
-            release.release,
-            options,
-            env.compiler(options, release.clone()),
-            env,
-        )
-    {
-        return status;
-    }
     let mut compiler = env.compiler(options, release);
     let mut search = search;
     if search.builtin.is_none() {

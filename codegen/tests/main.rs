@@ -6,7 +6,6 @@ mod codels;
 mod disk;
 #[path = "support/files.rs"]
 mod files;
-mod known;
 #[path = "support/processes.rs"]
 mod processes;
 mod ros;

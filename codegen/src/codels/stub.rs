@@ -81,21 +81,13 @@ impl<'a> Stubs<'a> {
     /// task.
     pub fn all_files(&self) -> Result<Vec<NewFile>, LangError> {
         // A function is written once, even if several files would contain it.
-        self.files(&mut FxHashMap::default())
-    }
-
-    /// The same files, after others: `written` has the names of functions that exist already, and their
-    /// files.
-    pub(crate) fn files(
-        &self,
-        written: &mut FxHashMap<String, String>,
-    ) -> Result<Vec<NewFile>, LangError> {
+        let mut written = FxHashMap::default();
         let component = self.expected.component();
         let tasks = (0..component.tasks.len() as u32).filter(|task| self.expected.has_file(*task));
         let tasks = tasks.map(Some).chain([None]);
         tasks
             .map(|task| {
-                Ok(NewFile { path: self.file(task), text: self.whole_file(task, written)? })
+                Ok(NewFile { path: self.file(task), text: self.whole_file(task, &mut written)? })
             })
             .collect()
     }
