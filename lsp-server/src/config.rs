@@ -25,6 +25,7 @@ use dotgen_platform::files::vfs::PackageConfig;
 pub use problem::{Problem, ProblemKind};
 pub use read::{LoadedSettings, from_editor, from_toml};
 pub use ros2::{Message, Ros2, located, rule_problem};
+use settings::over;
 pub use settings::{
     DefineValue, Format, FormatAlign, FormatUnit, Generate, Level, Settings, Verification,
 };
@@ -213,27 +214,11 @@ impl Config {
     /// The configuration of several workspace folders. Paths of the earlier folder are searched first, and
     /// its settings with a single value (a macro, a severity) take precedence.
     pub fn join(mut self, other: Config) -> Config {
-        for path in other.include_paths {
-            if !self.include_paths.contains(&path) {
-                self.include_paths.push(path);
-            }
-        }
-        for path in other.template_paths {
-            if !self.template_paths.contains(&path) {
-                self.template_paths.push(path);
-            }
-        }
+        add_new(&mut self.include_paths, other.include_paths);
+        add_new(&mut self.template_paths, other.template_paths);
         self.generate.extend(other.generate);
-        for path in other.packages.paths {
-            if !self.packages.paths.contains(&path) {
-                self.packages.paths.push(path);
-            }
-        }
-        for path in other.packages.templates {
-            if !self.packages.templates.contains(&path) {
-                self.packages.templates.push(path);
-            }
-        }
+        add_new(&mut self.packages.paths, other.packages.paths);
+        add_new(&mut self.packages.templates, other.packages.templates);
         self.release = self.release.or(other.release);
         for (name, body) in other.defines {
             if self.defines.iter().all(|(known, _)| *known != name) {
@@ -244,10 +229,10 @@ impl Config {
             self.severity.entry(code).or_insert(level);
         }
         self.connections.extend(other.connections);
-        self.verification = self.verification.over(other.verification);
+        self.verification = over(self.verification, other.verification, 1);
         self.max_file_size = self.max_file_size.or(other.max_file_size);
-        self.format = self.format.over(other.format);
-        self.ros2 = self.ros2.over(other.ros2);
+        self.format = over(self.format, other.format, 1);
+        self.ros2 = over(self.ros2, other.ros2, 1);
         if self.lints == LintConfig::default() {
             self.lints = other.lints;
         }
@@ -255,6 +240,15 @@ impl Config {
             self.codels = other.codels;
         }
         self
+    }
+}
+
+/// Adds the paths that are not in a list yet.
+fn add_new(paths: &mut Vec<Utf8PathBuf>, more: Vec<Utf8PathBuf>) {
+    for path in more {
+        if !paths.contains(&path) {
+            paths.push(path);
+        }
     }
 }
 

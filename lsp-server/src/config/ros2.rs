@@ -35,21 +35,6 @@ pub struct Message {
 }
 
 impl Ros2 {
-    pub(super) fn is_default(&self) -> bool {
-        *self == Ros2::default()
-    }
-
-    /// These settings on top of `weaker` ones.
-    pub(super) fn over(mut self, weaker: Ros2) -> Ros2 {
-        for (component, ports) in weaker.messages {
-            let known = self.messages.entry(component).or_default();
-            for (port, message) in ports {
-                known.entry(port).or_insert(message);
-            }
-        }
-        self
-    }
-
     /// The rules for ports.
     pub fn rules(&self) -> Rules {
         let rule = |message: &Message| Rule {

@@ -10,7 +10,16 @@ pub(crate) fn settings_schema() -> Value {
     let mut schema = schemars::schema_for!(Settings).to_value();
     let codes: Vec<&str> = codes().collect();
     schema["properties"]["severity"]["propertyNames"] = json!({ "enum": codes });
+    drop_absent_defaults(&mut schema);
     schema
+}
+
+/// Removes defaults that say that nothing is set.
+fn drop_absent_defaults(schema: &mut Value) {
+    if let Value::Object(entries) = schema {
+        entries.retain(|key, value| key != "default" || !value.is_null());
+        entries.values_mut().for_each(drop_absent_defaults);
+    }
 }
 
 /// The codes of all diagnostics about specifications and their codels, sorted.

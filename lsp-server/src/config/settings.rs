@@ -13,7 +13,9 @@ use dotgen_timing::scn::ast::Policy;
 use dotgen_timing::scn::semantics::Preset;
 use dotgen_timing::verify::Options;
 use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use super::ros2::Ros2;
 
@@ -33,7 +35,6 @@ pub struct Settings {
     pub defines: BTreeMap<String, DefineValue>,
     /// The release of GenoM3 that specifications are read as, for example `"2.99.41"`; by default the
     /// installed one, else the greatest that the specifications require.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<String>")]
     pub release: Option<Release>,
     /// Who says [`Settings::release`], if that is not the configuration file.
@@ -45,7 +46,6 @@ pub struct Settings {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub package_paths: Vec<String>,
     /// The largest file that is read, in kilobytes; 4096 by default. A larger file gets a diagnostic instead.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 4096))]
     pub max_file_size: Option<u32>,
     /// Severity by diagnostic code, for example `pp-redefined = "off"`. Errors of GenoM3 stay errors.
@@ -63,69 +63,89 @@ pub struct Settings {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub generate: Vec<Generate>,
     /// Settings of the timing rules.
-    #[serde(skip_serializing_if = "Timing::is_default")]
+    #[serde(skip_serializing_if = "is_default")]
     pub timing: Timing,
     /// Real-time verification in the editor.
-    #[serde(skip_serializing_if = "Verification::is_default")]
+    #[serde(skip_serializing_if = "is_default")]
     pub verification: Verification,
     /// The style of the formatter.
-    #[serde(skip_serializing_if = "Format::is_default")]
+    #[serde(skip_serializing_if = "is_default")]
     pub format: Format,
     /// Location of the C and C++ sources of codels.
-    #[serde(skip_serializing_if = "Codels::is_default")]
+    #[serde(skip_serializing_if = "is_default")]
     pub codels: Codels,
     /// Components as ROS 2 nodes.
-    #[serde(skip_serializing_if = "Ros2::is_default")]
+    #[serde(skip_serializing_if = "is_default")]
     pub ros2: Ros2,
     /// Show code lenses above declarations; on by default. Further settings select the lenses.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub code_lens: Option<bool>,
     /// Show answers of verification above tasks and checks; on by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub code_lens_verdicts: Option<bool>,
     /// Show a link to the state machine above tasks and activities; on by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub code_lens_state_machines: Option<bool>,
     /// Show readers and writers above ports and members of the `ids`; on by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub code_lens_accesses: Option<bool>,
     /// Show the specification of a codel above its C or C++ function; on by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub code_lens_codels: Option<bool>,
     /// Show commands that run a component or a scenario above its name, in editors that support them; on by
     /// default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub code_lens_runs: Option<bool>,
     /// Show the types of names that another component or interface declares.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub inlay_hints_inherited_types: Option<bool>,
     /// Show the types of all parameters that name data.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub inlay_hints_all_types: Option<bool>,
     /// Show the end of a state machine that has no codel for `stop`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub inlay_hints_implicit_ether: Option<bool>,
     /// Show the longest time from a state to the next pause.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub inlay_hints_wcet: Option<bool>,
     /// Show the share of its period that a task needs.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub inlay_hints_utilisation: Option<bool>,
     /// Show the values of properties that are not given.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub inlay_hints_defaults: Option<bool>,
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
+/// Greatest depth of tables that are joined: `ros2.messages.COMPONENT.PORT` is one value.
+const TABLES: usize = 3;
+
+/// Some settings on top of `weaker` ones. Tables are joined by key, and so are lists at the top; other values
+/// of `strong` take precedence. `depth` is 1 for a table of the settings.
+pub(super) fn over<T: Serialize + DeserializeOwned>(strong: T, weak: T, depth: usize) -> T {
+    let json = |settings: &T| serde_json::to_value(settings);
+    let merged = json(&strong).and_then(|mut merged| {
+        merge(&mut merged, json(&weak)?, depth);
+        serde_json::from_value(merged)
+    });
+    // What was read can be written, and read again.
+    merged.unwrap_or(strong)
+}
+
+fn merge(strong: &mut Value, weak: Value, depth: usize) {
+    match (strong, weak) {
+        (Value::Object(strong), Value::Object(weak)) if depth <= TABLES => {
+            for (key, value) in weak {
+                merge(strong.entry(key).or_insert(Value::Null), value, depth + 1);
+            }
+        }
+        (Value::Array(strong), Value::Array(weak)) if depth == 1 => strong.extend(weak),
+        (strong @ Value::Null, weak) => *strong = weak,
+        _ => {}
+    }
 }
 
 /// A template run on a specification.
@@ -146,29 +166,23 @@ pub struct Generate {
 #[serde(rename_all = "kebab-case", default)]
 pub struct Verification {
     /// Verify open scenarios, and open specifications with timing, after every edit; on by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub enable: Option<bool>,
     /// Give up a verification after this many seconds; 10 by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 10))]
     pub time_limit: Option<f64>,
     /// Give up a verification at this number of states; 2000000 by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 2_000_000))]
     pub max_states: Option<u32>,
     /// Give up a verification if its states need more than this many megabytes; 1024 by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 1024))]
     pub max_memory: Option<u32>,
     /// Order in which tasks get a core, if no scenario sets it: `priority` (the default), `fair`, `fifo`,
     /// `edf` or `any`. The number of cores is `timing.cores`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = "priority"))]
     pub policy: Option<CorePolicy>,
     /// Semantics of the model, if no scenario sets them: the `servers` that run on robots (the default), or
     /// the `published` formal models.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = "servers"))]
     pub semantics: Option<VerificationSemantics>,
 }
@@ -202,22 +216,6 @@ pub enum CorePolicy {
 impl Eq for Verification {}
 
 impl Verification {
-    fn is_default(&self) -> bool {
-        *self == Verification::default()
-    }
-
-    /// These settings on top of `weaker` ones.
-    pub(super) fn over(self, weaker: Verification) -> Verification {
-        Verification {
-            enable: self.enable.or(weaker.enable),
-            time_limit: self.time_limit.or(weaker.time_limit),
-            max_states: self.max_states.or(weaker.max_states),
-            max_memory: self.max_memory.or(weaker.max_memory),
-            policy: self.policy.or(weaker.policy),
-            semantics: self.semantics.or(weaker.semantics),
-        }
-    }
-
     /// True if documents are verified on edit.
     pub(crate) fn on_edit(&self) -> bool {
         self.enable != Some(false)
@@ -267,16 +265,13 @@ impl Verification {
 #[serde(rename_all = "kebab-case", default)]
 pub struct Timing {
     /// Number of processor cores of the robot. Without a number, the load is not compared with anything.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub cores: Option<u32>,
     /// Report codels without an execution time in all components. By default they are reported only in
     /// components in which another codel has one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub require_wcet: Option<bool>,
     /// Longest time, in milliseconds, that one function or attribute may keep the control task
     /// from serving other requests; 10 by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 10))]
     pub control_task_budget: Option<f64>,
 }
@@ -284,19 +279,6 @@ pub struct Timing {
 impl Eq for Timing {}
 
 impl Timing {
-    fn is_default(&self) -> bool {
-        *self == Timing::default()
-    }
-
-    /// These settings on top of `weaker` ones.
-    fn over(self, weaker: Timing) -> Timing {
-        Timing {
-            cores: self.cores.or(weaker.cores),
-            require_wcet: self.require_wcet.or(weaker.require_wcet),
-            control_task_budget: self.control_task_budget.or(weaker.control_task_budget),
-        }
-    }
-
     /// The settings that the lints need.
     pub(super) fn lints(&self) -> LintConfig {
         let default = LintConfig::default();
@@ -317,15 +299,12 @@ impl Timing {
 pub struct Format {
     /// Indentation of one level: a number of blanks, or `"tab"`. The default is taken from `.editorconfig`,
     /// else from the file, else from the editor.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<FormatUnit>,
     /// Columns that a line should not exceed; 80 by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 80))]
     pub width: Option<u16>,
     /// Words that are aligned in a column with words of neighbouring lines: `keep` (the default) keeps the
     /// column, `none` leaves one blank.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = "keep"))]
     pub align: Option<FormatAlign>,
 }
@@ -358,59 +337,26 @@ pub enum FormatAlign {
     None,
 }
 
-impl Format {
-    fn is_default(&self) -> bool {
-        *self == Format::default()
-    }
-
-    /// These settings on top of `weaker` ones.
-    pub(super) fn over(self, weaker: Format) -> Format {
-        Format {
-            unit: self.unit.or(weaker.unit),
-            width: self.width.or(weaker.width),
-            align: self.align.or(weaker.align),
-        }
-    }
-}
-
 /// Settings of the sources of codels.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", default)]
 pub struct Codels {
     /// Compare specifications with the sources of their codels; on by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub check: Option<bool>,
     /// Folder of the sources, relative to the folder of the `.gen`; `codels` by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = "codels"))]
     pub folder: Option<String>,
     /// Extensions of the sources, without dot; `c`, `cc`, `cpp` and `cxx` by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = ["c", "cc", "cpp", "cxx"]))]
     pub extensions: Option<Vec<String>>,
     /// Read only the sources that the `Makefile.am` of the folder lists, if any of them exists; on by
     /// default.
-    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub makefile: Option<bool>,
 }
 
 impl Codels {
-    fn is_default(&self) -> bool {
-        *self == Codels::default()
-    }
-
-    /// These settings on top of `weaker` ones.
-    fn over(self, weaker: Codels) -> Codels {
-        Codels {
-            check: self.check.or(weaker.check),
-            folder: self.folder.or(weaker.folder),
-            extensions: self.extensions.or(weaker.extensions),
-            makefile: self.makefile.or(weaker.makefile),
-        }
-    }
-
     /// The files with codels.
     pub fn files(&self) -> FilesConfig {
         let default = FilesConfig::default();
@@ -488,42 +434,10 @@ impl Settings {
     /// these take precedence.
     ///
     /// Lists are joined because editors send an empty list for a setting that the user has not changed.
-    pub fn over(mut self, mut weaker: Settings) -> Settings {
-        self.max_file_size = self.max_file_size.or(weaker.max_file_size);
-        let lenses = weaker.code_lenses();
-        for (own, weaker) in self.code_lenses_mut().into_iter().zip(lenses) {
-            *own = own.or(weaker);
-        }
-        if self.release.is_none() {
-            self.release = weaker.release;
-            self.release_origin = weaker.release_origin.take();
-        }
-        let hints = weaker.inlay_hints();
-        for (own, weaker) in self.inlay_hints_mut().into_iter().zip(hints) {
-            *own = own.or(weaker);
-        }
-        self.template_paths.extend(weaker.template_paths);
-        self.generate.extend(weaker.generate);
-        self.include_paths.extend(weaker.include_paths);
-        self.package_paths.extend(weaker.package_paths);
-        for (name, value) in weaker.defines {
-            self.defines.entry(name).or_insert(value);
-        }
-        for (code, level) in weaker.severity {
-            self.severity.entry(code).or_insert(level);
-        }
-        for (component, ports) in weaker.connections {
-            let known = self.connections.entry(component).or_default();
-            for (port, writers) in ports {
-                known.entry(port).or_insert(writers);
-            }
-        }
-        self.timing = self.timing.over(weaker.timing);
-        self.verification = self.verification.over(weaker.verification);
-        self.codels = self.codels.over(weaker.codels);
-        self.format = self.format.over(weaker.format);
-        self.ros2 = self.ros2.over(weaker.ros2);
-        self
+    pub fn over(self, weaker: Settings) -> Settings {
+        let stronger = if self.release.is_some() { &self } else { &weaker };
+        let release_origin = stronger.release_origin.clone();
+        Settings { release_origin, ..over(self, weaker, 0) }
     }
 
     /// Adds a `NAME` or `NAME=VALUE` of the command line.

@@ -137,6 +137,30 @@ fn stronger_sources_win_and_lists_are_joined() {
 }
 
 #[test]
+fn tables_are_joined_down_to_their_values() {
+    let strong = "codels.extensions = ['c']\nconnections.a.p = 'b.q'\nverification.time-limit = 3\n\
+                  [ros2.messages.pom.frame]\ntype = 'geometry_msgs/Pose'\nfields = { position = 'x' }\n";
+    let weak = "codels = { extensions = ['cc'], folder = 'src' }\n\
+                connections.a = { p = 'c.r', s = ['b.t'] }\n\
+                verification = { time-limit = 5, max-states = 7 }\n\
+                [ros2.messages.pom.frame]\ntype = 'geometry_msgs/Twist'\nfields = { linear = 'v' }\n\
+                [ros2.messages.pom.speed]\ntype = 'geometry_msgs/Twist'\n";
+    let settings = |text| from_toml(text).settings;
+    let expected = settings(
+        "codels = { extensions = ['c'], folder = 'src' }\n\
+         connections.a = { p = 'b.q', s = ['b.t'] }\n\
+         verification = { time-limit = 3, max-states = 7 }\n\
+         [ros2.messages.pom.frame]\ntype = 'geometry_msgs/Pose'\nfields = { position = 'x' }\n\
+         [ros2.messages.pom.speed]\ntype = 'geometry_msgs/Twist'\n",
+    );
+    assert_eq!(settings(strong).over(settings(weak)), expected);
+    let config = |settings: &Settings| Config::new(settings, Utf8Path::new("/"), true);
+    let joined = config(&settings(strong)).join(config(&settings(weak)));
+    assert_eq!(joined.ros2, expected.ros2);
+    assert_eq!(joined.verification, expected.verification);
+}
+
+#[test]
 fn folders_are_joined_in_their_order() {
     let config = |text, base| Config::new(&from_toml(text).settings, Utf8Path::new(base), true);
     let first = config("include-paths = ['idl']\n[defines]\nX = 1\n", "/one");
