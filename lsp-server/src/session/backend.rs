@@ -3,7 +3,6 @@
 
 mod generation;
 mod pull;
-mod tokens;
 
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
@@ -17,12 +16,10 @@ use crate::features::{codels, diagram, verification};
 use crate::protocol::messages::DocumentParams;
 use crate::protocol::outbox::Outbox;
 use crate::protocol::types::*;
-use crate::session::dispatch::Dispatcher;
+use crate::session::dispatch::{Dispatcher, RequestScope};
 use crate::session::post::Post;
 use crate::session::writer::{Event, Mutation, State};
 use crate::workspace::snapshot::{Snapshot, Subject};
-
-use tokens::TokenResults;
 
 /// The state of a session, shared by all methods.
 pub(crate) struct Backend {
@@ -35,7 +32,6 @@ pub(crate) struct Backend {
     /// Parameters of `initialize` as JSON, before deserialization.
     pub(super) raw_initialize: Arc<OnceLock<Value>>,
     pub(super) shut_down: Arc<AtomicBool>,
-    pub(super) tokens: TokenResults,
     /// Pictures to show while a text has syntax errors.
     last_pictures: Arc<diagram::LastGood>,
     pub(crate) generation: generation::Generation,
@@ -69,7 +65,6 @@ impl Backend {
             closed,
             raw_initialize,
             shut_down,
-            tokens: TokenResults::default(),
             last_pictures: Arc::default(),
             generation: generation::Generation::default(),
         }
@@ -201,7 +196,8 @@ impl Backend {
         params: DocumentParams,
     ) -> Result<Option<codels::headers::CodelHeaders>> {
         let uri = params.text_document.uri.clone();
-        let answer = self.dispatch.language(uri, params, |_, snapshot, subject, params| {
+        let scope = RequestScope::default();
+        let answer = self.dispatch.language(scope, uri, params, |_, snapshot, subject, params| {
             codels::headers::handle(snapshot, subject, params)
         });
         answer.await?.into_response()

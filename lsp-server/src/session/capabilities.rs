@@ -36,7 +36,7 @@ pub(crate) fn server_capabilities(client: &ClientCaps) -> ServerCapabilities {
             SemanticTokensOptions {
                 legend: legend(),
                 range: Some(true),
-                full: Some(SemanticTokensFullOptions::Delta { delta: Some(true) }),
+                full: Some(SemanticTokensFullOptions::Bool(true)),
                 ..SemanticTokensOptions::default()
             },
         )),

@@ -3,6 +3,7 @@
 use crate::features::component;
 use crate::protocol::types::*;
 use crate::session::backend::Backend;
+use crate::session::dispatch::RequestScope;
 
 impl Backend {
     /// `dotgen/interfaces`
@@ -20,7 +21,8 @@ impl Backend {
         &self,
         params: component::NewComponentParams,
     ) -> Result<Option<component::NewFiles>> {
-        let made = self.dispatch.anywhere(params, component::new_component);
+        let made =
+            self.dispatch.anywhere(RequestScope::default(), params, component::new_component);
         made.await?.into_response()
     }
 }

@@ -127,13 +127,20 @@ enum Outcome<R> {
 
 /// The scope of a request, in addition to its document.
 #[derive(Debug, Clone, Copy, Default)]
-struct RequestScope {
+pub(crate) struct RequestScope {
     /// Many files.
     bulk: bool,
     /// All of the workspace.
     whole: bool,
     /// The answer contains edits.
     edits: bool,
+}
+
+impl RequestScope {
+    /// An answer with edits.
+    pub(crate) const EDITS: RequestScope = RequestScope { bulk: false, whole: false, edits: true };
+    /// Many files.
+    pub(crate) const BULK: RequestScope = RequestScope { bulk: true, whole: false, edits: false };
 }
 
 /// Sends requests to the writer and waits for their results.
@@ -199,13 +206,11 @@ impl Dispatcher {
         P: Send + Sync + 'static,
         R: Default + Send + 'static,
     {
-        let work = move |snapshot: &Snapshot, subject: Option<&Subject>, params: &P| match subject {
-            Some(subject) if features_of(snapshot, &subject.path).is_own => {
-                handler(snapshot, subject, params)
-            }
-            _ => Ok(R::default()),
+        let scope = RequestScope::default();
+        let work = move |features: &LanguageFeatures, snapshot: &_, subject: &_, params: &_| {
+            if features.is_own { handler(snapshot, subject, params) } else { Ok(R::default()) }
         };
-        self.run(Some(uri), RequestScope::default(), params, Arc::default(), work).await
+        self.language(scope, uri, params, work).await
     }
 
     /// A request that the language of the document answers, with one of its features.
@@ -219,66 +224,16 @@ impl Dispatcher {
         P: Send + Sync + 'static,
         R: Default + Send + 'static,
     {
-        self.language(uri, params, move |features, snapshot, subject, params| {
+        let work = move |features: &LanguageFeatures, snapshot: &_, subject: &_, params: &_| {
             feature(features)(snapshot, subject, params)
-        })
-        .await
-    }
-
-    /// As [`Dispatcher::feature`], for an answer with edits.
-    pub(crate) async fn edits<P, R>(
-        &self,
-        uri: Uri,
-        params: P,
-        feature: fn(&LanguageFeatures) -> Handler<P, R>,
-    ) -> types::Result<R>
-    where
-        P: Send + Sync + 'static,
-        R: Default + Send + 'static,
-    {
-        let work = move |snapshot: &Snapshot, subject: Option<&Subject>, params: &P| match subject {
-            Some(subject) => {
-                let features = features_of(snapshot, &subject.path);
-                feature(features)(snapshot, subject, params)
-            }
-            None => Ok(R::default()),
         };
-        let about = RequestScope { edits: true, ..RequestScope::default() };
-        self.run(Some(uri), about, params, Arc::default(), work).await
-    }
-
-    /// As [`Dispatcher::anywhere`], for an answer with edits.
-    pub(crate) async fn edits_anywhere<P, R>(
-        &self,
-        params: P,
-        handler: fn(&Snapshot, &P) -> Cancellable<R>,
-    ) -> types::Result<R>
-    where
-        P: Send + Sync + 'static,
-        R: Default + Send + 'static,
-    {
-        let about = RequestScope { edits: true, ..RequestScope::default() };
-        self.without_document(about, params, handler).await
-    }
-
-    async fn without_document<P, R>(
-        &self,
-        about: RequestScope,
-        params: P,
-        handler: fn(&Snapshot, &P) -> Cancellable<R>,
-    ) -> types::Result<R>
-    where
-        P: Send + Sync + 'static,
-        R: Default + Send + 'static,
-    {
-        let work =
-            move |snapshot: &Snapshot, _: Option<&Subject>, params: &P| handler(snapshot, params);
-        self.run(None, about, params, Arc::default(), work).await
+        self.language(RequestScope::default(), uri, params, work).await
     }
 
     /// A request whose answer depends on the language of the document.
     pub(crate) async fn language<P, R>(
         &self,
+        scope: RequestScope,
         uri: Uri,
         params: P,
         handler: impl Fn(&LanguageFeatures, &Snapshot, &Subject, &P) -> Cancellable<R>
@@ -297,7 +252,7 @@ impl Dispatcher {
             }
             None => Ok(R::default()),
         };
-        self.run(Some(uri), RequestScope::default(), params, Arc::default(), work).await
+        self.run(Some(uri), scope, params, Arc::default(), work).await
     }
 
     /// A request whose answer is wrong if a part of the workspace is unknown: an edit of every place. It
@@ -374,9 +329,11 @@ impl Dispatcher {
         answer
     }
 
-    /// A request whose parameters do not name a document: the resolve of an item.
+    /// A request whose parameters do not name a document: the resolve of an item, or one about the workspace.
+    /// The number of requests about many files at a time is limited, so that other requests are answered.
     pub(crate) async fn anywhere<P, R>(
         &self,
+        scope: RequestScope,
         params: P,
         handler: fn(&Snapshot, &P) -> Cancellable<R>,
     ) -> types::Result<R>
@@ -384,25 +341,10 @@ impl Dispatcher {
         P: Send + Sync + 'static,
         R: Default + Send + 'static,
     {
-        self.without_document(RequestScope::default(), params, handler).await
-    }
-
-    /// A request about the whole workspace. The number of such requests at a time is limited, so that other
-    /// requests are answered.
-    pub(crate) async fn workspace<P, R>(
-        &self,
-        params: P,
-        handler: fn(&Snapshot, &P) -> Cancellable<R>,
-    ) -> types::Result<R>
-    where
-        P: Send + Sync + 'static,
-        R: Default + Send + 'static,
-    {
-        let _permit = self.background.acquire().await;
+        let _permit = if scope.bulk { self.background.acquire().await.ok() } else { None };
         let work =
             move |snapshot: &Snapshot, _: Option<&Subject>, params: &P| handler(snapshot, params);
-        let about = RequestScope { bulk: true, ..RequestScope::default() };
-        self.run(None, about, params, Arc::default(), work).await
+        self.run(None, scope, params, Arc::default(), work).await
     }
 
     async fn run<P, R, F>(

@@ -10,12 +10,15 @@ use serde_json::Value;
 use tokio::sync::oneshot;
 
 use super::backend::{Backend, document_of, retriggered};
+use super::dispatch::RequestScope;
 use super::writer::{Event, Mutation};
+use crate::features::language::LanguageFeatures;
 use crate::features::specification::{call_hierarchy, code_lens, completion, rename};
 use crate::features::{codels, commands, diagnostics, features_of, inspect, workspace_symbol};
 use crate::protocol::messages::{
     ChooseRoot, DocumentParams, IncludingRoots, MacroExpansion, PositionParams, ReleaseInfo,
 };
+use crate::protocol::types::request::*;
 use crate::protocol::types::*;
 
 pub(super) type Builder = tower_lsp::LspServiceBuilder<Backend>;
@@ -40,175 +43,85 @@ pub(super) fn custom_methods(builder: Builder) -> Builder {
         .custom_method("window/workDoneProgress/cancel", Backend::cancel_progress)
 }
 
+/// Requests beyond the protocol about one document: method, answer, parameters. Their handlers are in
+/// [`inspect`].
+macro_rules! inspections {
+    ($($method:ident -> $answer:ty, $params:ty;)*) => {
+        $(async fn $method(&self, params: $params) -> Result<$answer> {
+            let uri = params.text_document.uri.clone();
+            self.dispatch.document(uri, params, inspect::$method).await
+        })*
+    };
+}
+
 impl Backend {
-    async fn syntax_tree(&self, params: DocumentParams) -> Result<Option<String>> {
-        let uri = params.text_document.uri.clone();
-        self.dispatch.document(uri, params, inspect::syntax_tree).await
-    }
-
-    async fn item_tree(&self, params: DocumentParams) -> Result<Option<String>> {
-        let uri = params.text_document.uri.clone();
-        self.dispatch.document(uri, params, inspect::item_tree).await
-    }
-
-    async fn expand_macro(&self, params: PositionParams) -> Result<Option<MacroExpansion>> {
-        let uri = params.text_document.uri.clone();
-        self.dispatch.document(uri, params, inspect::expand_macro).await
-    }
-
-    async fn including_roots(&self, params: DocumentParams) -> Result<IncludingRoots> {
-        let uri = params.text_document.uri.clone();
-        self.dispatch.document(uri, params, inspect::including_roots).await
-    }
-
-    async fn release(&self, params: DocumentParams) -> Result<ReleaseInfo> {
-        let uri = params.text_document.uri.clone();
-        self.dispatch.document(uri, params, inspect::release).await
-    }
-
-    async fn model(&self, params: DocumentParams) -> Result<Value> {
-        let uri = params.text_document.uri.clone();
-        self.dispatch.document(uri, params, inspect::model).await
+    inspections! {
+        syntax_tree -> Option<String>, DocumentParams;
+        item_tree -> Option<String>, DocumentParams;
+        expand_macro -> Option<MacroExpansion>, PositionParams;
+        including_roots -> IncludingRoots, DocumentParams;
+        release -> ReleaseInfo, DocumentParams;
+        model -> Value, DocumentParams;
     }
 }
 
+/// The document in the parameters of a request.
+macro_rules! document_in {
+    (document, $params:ident) => {
+        $params.text_document.uri.clone()
+    };
+    (position, $params:ident) => {
+        $params.text_document_position.text_document.uri.clone()
+    };
+    (place, $params:ident) => {
+        $params.text_document_position_params.text_document.uri.clone()
+    };
+}
+
+/// Requests of the protocol that the language of the document answers: method, request, where its parameters
+/// have the [document](document_in), feature.
+macro_rules! features {
+    ($($method:ident, $request:ident, $document:ident => $feature:ident;)*) => {
+        $(async fn $method(
+            &self,
+            params: <$request as Request>::Params,
+        ) -> Result<<$request as Request>::Result> {
+            let uri = document_in!($document, params);
+            self.dispatch.feature(uri, params, |features| features.$feature).await
+        })*
+    };
+}
+
 impl LanguageServer for Backend {
-    async fn document_symbol(
-        &self,
-        params: DocumentSymbolParams,
-    ) -> Result<Option<DocumentSymbolResponse>> {
-        let uri = params.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.symbols).await
-    }
-
-    async fn folding_range(&self, params: FoldingRangeParams) -> Result<Option<Vec<FoldingRange>>> {
-        let uri = params.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.folds).await
-    }
-
-    async fn selection_range(
-        &self,
-        params: SelectionRangeParams,
-    ) -> Result<Option<Vec<SelectionRange>>> {
-        let uri = params.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.selections).await
-    }
-
-    async fn document_link(&self, params: DocumentLinkParams) -> Result<Option<Vec<DocumentLink>>> {
-        let uri = params.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.links).await
-    }
-
-    async fn semantic_tokens_range(
-        &self,
-        params: SemanticTokensRangeParams,
-    ) -> Result<Option<SemanticTokensRangeResult>> {
-        let uri = params.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.tokens_in).await
-    }
-
-    async fn goto_definition(
-        &self,
-        params: GotoDefinitionParams,
-    ) -> Result<Option<GotoDefinitionResponse>> {
-        let uri = params.text_document_position_params.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.definition).await
-    }
-
-    async fn goto_declaration(
-        &self,
-        params: GotoDeclarationParams,
-    ) -> Result<Option<GotoDeclarationResponse>> {
-        let uri = params.text_document_position_params.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.declaration).await
-    }
-
-    async fn goto_type_definition(
-        &self,
-        params: GotoTypeDefinitionParams,
-    ) -> Result<Option<GotoTypeDefinitionResponse>> {
-        let uri = params.text_document_position_params.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.type_definition).await
-    }
-
-    async fn goto_implementation(
-        &self,
-        params: GotoImplementationParams,
-    ) -> Result<Option<GotoImplementationResponse>> {
-        let uri = params.text_document_position_params.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.implementation).await
-    }
-
-    async fn references(&self, params: ReferenceParams) -> Result<Option<Vec<Location>>> {
-        let uri = params.text_document_position.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.references).await
-    }
-
-    async fn document_highlight(
-        &self,
-        params: DocumentHighlightParams,
-    ) -> Result<Option<Vec<DocumentHighlight>>> {
-        let uri = params.text_document_position_params.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.highlights).await
-    }
-
-    async fn hover(&self, params: HoverParams) -> Result<Option<Hover>> {
-        let uri = params.text_document_position_params.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.hover).await
-    }
-
-    async fn completion(&self, params: CompletionParams) -> Result<Option<CompletionResponse>> {
-        let uri = params.text_document_position.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.completion).await
-    }
-
-    async fn signature_help(&self, params: SignatureHelpParams) -> Result<Option<SignatureHelp>> {
-        let uri = params.text_document_position_params.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.signature).await
-    }
-
-    async fn formatting(&self, params: DocumentFormattingParams) -> Result<Option<Vec<TextEdit>>> {
-        let uri = params.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.format).await
-    }
-
-    async fn range_formatting(
-        &self,
-        params: DocumentRangeFormattingParams,
-    ) -> Result<Option<Vec<TextEdit>>> {
-        let uri = params.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.format_range).await
-    }
-
-    async fn on_type_formatting(
-        &self,
-        params: DocumentOnTypeFormattingParams,
-    ) -> Result<Option<Vec<TextEdit>>> {
-        let uri = params.text_document_position.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.format_typed).await
-    }
-
-    async fn inlay_hint(&self, params: InlayHintParams) -> Result<Option<Vec<InlayHint>>> {
-        let uri = params.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.hints).await
-    }
-
-    async fn code_lens(&self, params: CodeLensParams) -> Result<Option<Vec<CodeLens>>> {
-        let uri = params.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.lenses).await
-    }
-
-    async fn prepare_call_hierarchy(
-        &self,
-        params: CallHierarchyPrepareParams,
-    ) -> Result<Option<Vec<CallHierarchyItem>>> {
-        let uri = params.text_document_position_params.text_document.uri.clone();
-        self.dispatch.feature(uri, params, |features| features.calls).await
+    features! {
+        document_symbol, DocumentSymbolRequest, document => symbols;
+        folding_range, FoldingRangeRequest, document => folds;
+        selection_range, SelectionRangeRequest, document => selections;
+        document_link, DocumentLinkRequest, document => links;
+        semantic_tokens_range, SemanticTokensRangeRequest, document => tokens_in;
+        goto_definition, GotoDefinition, place => definition;
+        goto_declaration, GotoDeclaration, place => declaration;
+        goto_type_definition, GotoTypeDefinition, place => type_definition;
+        goto_implementation, GotoImplementation, place => implementation;
+        references, References, position => references;
+        document_highlight, DocumentHighlightRequest, place => highlights;
+        hover, HoverRequest, place => hover;
+        completion, Completion, position => completion;
+        signature_help, SignatureHelpRequest, place => signature;
+        formatting, Formatting, document => format;
+        range_formatting, RangeFormatting, document => format_range;
+        on_type_formatting, OnTypeFormatting, position => format_typed;
+        inlay_hint, InlayHintRequest, document => hints;
+        code_lens, CodeLensRequest, document => lenses;
+        prepare_call_hierarchy, CallHierarchyPrepare, place => calls;
     }
 
     async fn code_action(&self, params: CodeActionParams) -> Result<Option<CodeActionResponse>> {
         let uri = params.text_document.uri.clone();
-        self.dispatch.edits(uri, params, |features| features.actions).await
+        let actions = |features: &LanguageFeatures, snapshot: &_, subject: &_, params: &_| {
+            (features.actions)(snapshot, subject, params)
+        };
+        self.dispatch.language(RequestScope::EDITS, uri, params, actions).await
     }
 
     async fn initialize(&self, params: InitializeParams) -> Result<InitializeResult> {
@@ -240,7 +153,6 @@ impl LanguageServer for Backend {
     }
 
     async fn did_close(&self, params: DidCloseTextDocumentParams) {
-        self.tokens.forget(&params.text_document.uri);
         self.mutate(Mutation::Close(params));
     }
 
@@ -262,28 +174,23 @@ impl LanguageServer for Backend {
             commands::DOT => Some(dotgen_views::pictures::Form::Dot),
             _ => None,
         };
+        let argument = params.arguments.into_iter().next().unwrap_or_default();
+        let invalid = |error: serde_json::Error| Error::invalid_params(error.to_string());
         if let Some(form) = form {
-            let argument = params.arguments.into_iter().next().unwrap_or_default();
             return self.diagram_text(form, argument).await;
         }
         if params.command == commands::SHOW_CODEL {
-            let argument = params.arguments.into_iter().next().unwrap_or_default();
-            let place: Location = serde_json::from_value(argument)
-                .map_err(|error| Error::invalid_params(error.to_string()))?;
-            self.dispatch.show(place);
+            self.dispatch.show(serde_json::from_value(argument).map_err(invalid)?);
             return Ok(None);
         }
         if crate::features::generation::COMMANDS.contains(&params.command.as_str()) {
-            let argument = params.arguments.into_iter().next().unwrap_or_default();
             return self.generation_command(&params.command, argument).await;
         }
         if params.command != commands::CHOOSE_ROOT {
             let message = format!("there is no command `{}`", params.command);
             return Err(Error::invalid_params(message));
         }
-        let argument = params.arguments.into_iter().next().unwrap_or_default();
-        let choice: ChooseRoot = serde_json::from_value(argument)
-            .map_err(|error| Error::invalid_params(error.to_string()))?;
+        let choice: ChooseRoot = serde_json::from_value(argument).map_err(invalid)?;
         let path = |uri: &Uri| crate::protocol::convert::uri::to_path(uri);
         let root = choice.root.as_ref().map(path);
         self.mutate(Mutation::Choose(path(&choice.uri), root));
@@ -294,12 +201,13 @@ impl LanguageServer for Backend {
         &self,
         params: WorkspaceSymbolParams,
     ) -> Result<Option<WorkspaceSymbolResponse>> {
-        let symbols = self.dispatch.workspace(params, workspace_symbol::handle);
+        let symbols = self.dispatch.anywhere(RequestScope::BULK, params, workspace_symbol::handle);
         Ok(Some(WorkspaceSymbolResponse::Nested(symbols.await?)))
     }
 
     async fn completion_resolve(&self, item: CompletionItem) -> Result<CompletionItem> {
-        let resolved = self.dispatch.anywhere(item.clone(), completion::resolve);
+        let resolved =
+            self.dispatch.anywhere(RequestScope::default(), item.clone(), completion::resolve);
         Ok(resolved.await?.unwrap_or(item))
     }
 
@@ -334,7 +242,8 @@ impl LanguageServer for Backend {
     }
 
     async fn code_lens_resolve(&self, lens: CodeLens) -> Result<CodeLens> {
-        let resolved = self.dispatch.anywhere(lens.clone(), code_lens::resolve);
+        let resolved =
+            self.dispatch.anywhere(RequestScope::default(), lens.clone(), code_lens::resolve);
         Ok(resolved.await?.unwrap_or(lens))
     }
 
@@ -342,18 +251,19 @@ impl LanguageServer for Backend {
         &self,
         params: CallHierarchyIncomingCallsParams,
     ) -> Result<Option<Vec<CallHierarchyIncomingCall>>> {
-        self.dispatch.anywhere(params, call_hierarchy::incoming).await
+        self.dispatch.anywhere(RequestScope::default(), params, call_hierarchy::incoming).await
     }
 
     async fn outgoing_calls(
         &self,
         params: CallHierarchyOutgoingCallsParams,
     ) -> Result<Option<Vec<CallHierarchyOutgoingCall>>> {
-        self.dispatch.anywhere(params, call_hierarchy::outgoing).await
+        self.dispatch.anywhere(RequestScope::default(), params, call_hierarchy::outgoing).await
     }
 
     async fn code_action_resolve(&self, action: CodeAction) -> Result<CodeAction> {
-        let resolved = self.dispatch.edits_anywhere(action.clone(), codels::actions::resolve);
+        let resolved =
+            self.dispatch.anywhere(RequestScope::EDITS, action.clone(), codels::actions::resolve);
         let resolved = resolved.await?.into_response()?;
         Ok(resolved.unwrap_or(action))
     }
@@ -363,7 +273,8 @@ impl LanguageServer for Backend {
         params: DocumentDiagnosticParams,
     ) -> Result<DocumentDiagnosticReportResult> {
         let uri = params.text_document.uri.clone();
-        let report = self.dispatch.language(uri, params, diagnostics::document);
+        let report =
+            self.dispatch.language(RequestScope::default(), uri, params, diagnostics::document);
         Ok(report.await.map_err(retriggered)?.into_document())
     }
 
@@ -379,26 +290,7 @@ impl LanguageServer for Backend {
         params: SemanticTokensParams,
     ) -> Result<Option<SemanticTokensResult>> {
         let uri = params.text_document.uri.clone();
-        let question = (self.dispatch).feature(uri.clone(), params, |features| features.tokens);
-        let tokens = question.await?;
-        Ok(tokens.map(|data| self.tokens.remember(uri, data).into()))
-    }
-
-    async fn semantic_tokens_full_delta(
-        &self,
-        params: SemanticTokensDeltaParams,
-    ) -> Result<Option<SemanticTokensFullDeltaResult>> {
-        let uri = params.text_document.uri.clone();
-        let known = self.tokens.recall(&uri, &params.previous_result_id);
-        let params = SemanticTokensParams {
-            text_document: params.text_document,
-            work_done_progress_params: params.work_done_progress_params,
-            partial_result_params: params.partial_result_params,
-        };
-        let question = (self.dispatch).feature(uri.clone(), params, |features| features.tokens);
-        let Some(data) = question.await? else {
-            return Ok(None);
-        };
-        Ok(Some(self.tokens.remember_changes(uri, known, data)))
+        let tokens = self.dispatch.feature(uri, params, |features| features.tokens).await?;
+        Ok(tokens.map(|data| SemanticTokens { result_id: None, data }.into()))
     }
 }

@@ -87,27 +87,11 @@ async fn semantic_tokens_leave_to_a_grammar_what_it_tells_as_well() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn semantic_tokens_come_whole_as_a_change_and_in_part() {
+async fn semantic_tokens_come_whole_and_in_part() {
     let (mut client, _folder, uri) = start(json!({})).await;
     let full = client.ok("textDocument/semanticTokens/full", document(&uri)).await;
     let data = full["data"].as_array().expect("numbers").clone();
     assert!(data.len() > 50 && data.len() % 5 == 0);
-
-    // One token more at the start: all others are kept.
-    let edit = json!({ "range": { "start": { "line": 0, "character": 0 },
-                                  "end": { "line": 0, "character": 0 } },
-                       "text": "// new\n" });
-    client.change(&uri, 2, json!([edit])).await;
-    let mut params = document(&uri);
-    params["previousResultId"] = full["resultId"].clone();
-    let delta = client.ok("textDocument/semanticTokens/full/delta", params.clone()).await;
-    let edits = delta["edits"].as_array().expect("edits");
-    assert_eq!(edits.len(), 1);
-    assert!(edits[0]["data"].as_array().is_some_and(|data| data.len() <= 10));
-
-    params["previousResultId"] = json!("of another server");
-    let whole = client.ok("textDocument/semanticTokens/full/delta", params).await;
-    assert_eq!(whole["data"].as_array().map(Vec::len), Some(data.len() + 5));
 
     let mut params = document(&uri);
     params["range"] = json!({ "start": { "line": 1, "character": 0 },

@@ -249,7 +249,6 @@ pub const MESSAGES: &[&str] = &[
     "textDocument/didClose",
     "textDocument/codeAction",
     "textDocument/formatting",
-    "textDocument/semanticTokens/full/delta",
     "workspace/executeCommand",
     "workspace/didChangeConfiguration",
     "$/cancelRequest",

@@ -1,4 +1,4 @@
-//! `textDocument/semanticTokens/full`, `full/delta` and `range`
+//! `textDocument/semanticTokens/full` and `range`
 
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::SemanticToken as Token;

@@ -4,8 +4,7 @@ use dotgen_analysis::ide::{SemanticToken as Token, TokenType};
 
 use super::Lines;
 use crate::protocol::types::{
-    SemanticToken, SemanticTokenModifier, SemanticTokenType, SemanticTokensEdit,
-    SemanticTokensLegend,
+    SemanticToken, SemanticTokenModifier, SemanticTokenType, SemanticTokensLegend,
 };
 
 /// Names in the order of [`TokenType`]; standard names if the protocol has one.
@@ -86,25 +85,6 @@ pub fn encode(tokens: &[Token], lines: &Lines) -> Vec<SemanticToken> {
     encoded
 }
 
-/// One edit that turns `old` into `new`, without their common beginning and end; none if they are equal.
-pub fn delta(old: &[SemanticToken], new: &[SemanticToken]) -> Vec<SemanticTokensEdit> {
-    let same = |(a, b): &(&SemanticToken, &SemanticToken)| a == b;
-    let head = old.iter().zip(new).take_while(same).count();
-    let (old, new) = (&old[head..], &new[head..]);
-    let tail = old.iter().rev().zip(new.iter().rev()).take_while(same).count();
-    let (old, new) = (&old[..old.len() - tail], &new[..new.len() - tail]);
-    if old.is_empty() && new.is_empty() {
-        return Vec::new();
-    }
-    // A token has five numbers in the protocol, and edits count numbers.
-    let numbers = |tokens: usize| u32::try_from(tokens * 5).unwrap_or(u32::MAX);
-    vec![SemanticTokensEdit {
-        start: numbers(head),
-        delete_count: numbers(old.len()),
-        data: Some(new.to_vec()),
-    }]
-}
-
 #[cfg(test)]
 mod tests {
     use dotgen_analysis::ide::TokenModifiers;
@@ -127,18 +107,5 @@ mod tests {
         let end = lines.text().len();
         let encoded = encode(&[token(2..end - 2), token(end - 1..end)], &lines);
         assert_eq!(plain(&encoded), [[0, 2, 5], [2, 0, 5], [0, 6, 1]]);
-    }
-
-    #[test]
-    fn a_delta_keeps_what_is_common() {
-        let lines = Lines::new("a b c d".into(), Encoding::Utf8);
-        let all = encode(&[token(0..1), token(2..3), token(4..5), token(6..7)], &lines);
-        let mut changed = all.clone();
-        changed[1].token_type = 3;
-        let edits = delta(&all, &changed);
-        assert_eq!(edits.len(), 1);
-        assert_eq!((edits[0].start, edits[0].delete_count), (5, 5));
-        assert_eq!(delta(&all, &all), []);
-        assert_eq!(delta(&all[..2], &all)[0].delete_count, 0);
     }
 }

@@ -12,6 +12,7 @@ use crate::features::diagnostics::{self, Listing, Part};
 use crate::protocol::convert::uri;
 use crate::protocol::messages::{PartialDiagnostics, PartialDiagnosticsParams};
 use crate::protocol::types::*;
+use crate::session::dispatch::RequestScope;
 
 /// Files of one part.
 const BATCH: usize = 32;
@@ -43,7 +44,7 @@ impl Backend {
                 let paths = queue.drain(..BATCH.min(queue.len())).collect();
                 let ids = known.iter().map(|pair| (pair.0.clone(), pair.1.value.clone()));
                 let part = Part { paths, known: Arc::new(ids.collect()) };
-                let reports = self.dispatch.workspace(part, diagnostics::part);
+                let reports = self.dispatch.anywhere(RequestScope::BULK, part, diagnostics::part);
                 items.extend(reports.await.map_err(retriggered)?);
                 let Some(token) = &token else { continue };
                 let mut news = std::mem::take(&mut items);
@@ -85,7 +86,7 @@ impl Backend {
     }
 
     async fn listing(&self) -> Result<Listing> {
-        let listing = self.dispatch.workspace((), diagnostics::listing);
+        let listing = self.dispatch.anywhere(RequestScope::BULK, (), diagnostics::listing);
         listing.await.map_err(retriggered)
     }
 }
