@@ -107,7 +107,7 @@ pub struct Children {
     outside: Vec<Box<dyn RunListener>>,
     /// The number of requests from outside.
     requests: Arc<AtomicU64>,
-    boards: SharedDataPool,
+    shared_data: SharedDataPool,
     denied: BTreeSet<String>,
     /// Time of the last check for hosts that have ended.
     looked: Instant,
@@ -146,7 +146,7 @@ impl Children {
             early: VecDeque::new(),
             outside: Vec::new(),
             requests: Arc::default(),
-            boards: SharedDataPool::default(),
+            shared_data: SharedDataPool::default(),
             denied: BTreeSet::new(),
             looked: Instant::now(),
             arrivals,
@@ -189,7 +189,7 @@ impl Children {
     }
 
     /// Adds a subscriber.
-    pub fn tell(&mut self, outside: Box<dyn RunListener>) {
+    pub fn subscribe(&mut self, outside: Box<dyn RunListener>) {
         self.outside.push(outside);
     }
 
@@ -355,7 +355,7 @@ impl Hosts for Children {
         self.started += 1;
         self.running = false;
         self.early.clear();
-        self.boards = SharedDataPool::default();
+        self.shared_data = SharedDataPool::default();
         for component in self.children.keys() {
             // Dropping a process ends it.
             self.children[component].process = None;

@@ -111,7 +111,7 @@ fn remote_call(output: Output, waiting: Arc<Mutex<Waiting>>) -> RemoteCall {
         drop(all);
         let inputs = inputs.to_vec();
         let asked = HostMessage::Asked { ask, remote, inputs };
-        tell(&output, asked).map_err(|_| libc::ENOTCONN)?;
+        send(&output, asked).map_err(|_| libc::ENOTCONN)?;
         answer.recv().unwrap_or(Err(libc::ENOTCONN))
     })
 }
@@ -138,20 +138,20 @@ fn serve(library: &Path, options: HostOptions) -> io::Result<()> {
     let executing = Executing::open(&options.executing, options.lanes).ok();
     let component = match Component::load(library) {
         Ok(component) => component,
-        Err(why) => return tell(&output, HostMessage::Unusable(why)),
+        Err(why) => return send(&output, HostMessage::Unusable(why)),
     };
     if options.debug {
         debugger::permit();
-        tell(&output, HostMessage::Waiting)?;
+        send(&output, HostMessage::Waiting)?;
         debugger::wait();
     }
     if options.real_time && !realtime::lock_memory(realtime::Pages::All) {
-        tell(&output, HostMessage::Denied("locked memory".to_owned()))?;
+        send(&output, HostMessage::Denied("locked memory".to_owned()))?;
     }
     let waiting = Arc::<Mutex<Waiting>>::default();
     // The value is set once: a process has one component.
     let _ = REMOTE_CALL.set(remote_call(output.clone(), waiting.clone()));
-    tell(&output, HostMessage::Ready)?;
+    send(&output, HostMessage::Ready)?;
     let activities = alone::Activities::default();
     let host = Arc::new(Host { options, component, output, executing, waiting, activities });
     // An error is one of a channel to the engine.
@@ -182,7 +182,7 @@ fn follow(host: &Arc<Host>, mut input: impl Read) -> io::Result<()> {
             HostCommand::End { service, instance } => {
                 let outputs = host.component.end(service, instance);
                 host.activities.forget(instance);
-                tell(&host.output, HostMessage::Ended(outputs))?;
+                send(&host.output, HostMessage::Ended(outputs))?;
             }
             HostCommand::WatchEngine(machines) => {
                 host.activities.set_machines(machines);
@@ -225,11 +225,11 @@ fn channels() -> io::Result<(BufReader<File>, Output)> {
     Ok((BufReader::new(File::from(input)), output))
 }
 
-fn tell(output: &Output, message: HostMessage) -> io::Result<()> {
-    tell_all(output, &[message])
+fn send(output: &Output, message: HostMessage) -> io::Result<()> {
+    send_all(output, &[message])
 }
 
-fn tell_all(output: &Output, messages: &[HostMessage]) -> io::Result<()> {
+fn send_all(output: &Output, messages: &[HostMessage]) -> io::Result<()> {
     let mut output = output.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     HostMessage::send_all(messages, &mut *output)
 }

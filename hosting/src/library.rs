@@ -67,7 +67,7 @@ unsafe extern "C" fn ask(
 }
 
 /// The result of a codel.
-pub(super) struct Outcome {
+pub(super) struct CodelOutcome {
     pub(super) how: CodelEnd,
     pub(super) name: String,
     pub(super) detail: Vec<u8>,
@@ -141,10 +141,10 @@ impl Component {
         self.filled(|buffer| unsafe { (self.end)(service, instance, buffer) })
     }
 
-    pub(super) fn run(&self, codel: u32, instance: u32) -> Outcome {
+    pub(super) fn run(&self, codel: u32, instance: u32) -> CodelOutcome {
         // SAFETY: as above. The codel itself may do anything: this is the reason for a process of its own.
         let bytes = self.filled(|buffer| unsafe { (self.run)(codel, instance, buffer) });
-        outcome(&bytes).unwrap_or(Outcome {
+        outcome(&bytes).unwrap_or(CodelOutcome {
             how: CodelEnd::Other,
             name: "nothing came of it".to_owned(),
             detail: Vec::new(),
@@ -167,7 +167,7 @@ impl Component {
     }
 }
 
-fn outcome(bytes: &[u8]) -> Option<Outcome> {
+fn outcome(bytes: &[u8]) -> Option<CodelOutcome> {
     let mut reader = ByteReader(bytes);
     let how = match reader.number()? {
         0 => CodelEnd::Event,
@@ -187,7 +187,7 @@ fn outcome(bytes: &[u8]) -> Option<Outcome> {
         };
         written.push(PortWrite { port, id, data });
     }
-    Some(Outcome { how, name, detail, written })
+    Some(CodelOutcome { how, name, detail, written })
 }
 
 /// Reads values from the bytes that the glue of a component writes, in order. `None` if there are too few.

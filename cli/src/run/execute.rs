@@ -335,7 +335,7 @@ impl Context<'_, '_> {
         };
         let system = &opened.built.system;
         // Dropped after the hosts.
-        let _strays = OrphanReaper::become_subreaper();
+        let _reaper = OrphanReaper::become_subreaper();
         let libraries = hosted.libraries(prepared);
         let mut children = self.children(arguments, libraries, system, real);
         let mut notes = hosted.notes.clone();

@@ -89,7 +89,7 @@ pub(super) fn start(
     let (feeds, inbox) = (parts.feeds.clone(), children.inbox());
     let (mut server, outside) =
         listen(&path, known, feeds, inbox, remote).map_err(anyhow::Error::msg)?;
-    children.tell(outside);
+    children.subscribe(outside);
     if let Some(port) = arguments.listen {
         let clients = if arguments.listen_anyone { Clients::Anyone } else { Clients::OfThisUser };
         let (address, token) =
@@ -154,7 +154,7 @@ fn join(
             remaps: &arguments.remaps,
         };
         let outside = ros2::join(wanted, known, &is_fed, &children.inbox(), &tell);
-        children.tell(outside.map_err(anyhow::Error::msg)?);
+        children.subscribe(outside.map_err(anyhow::Error::msg)?);
         return Ok(None);
     }
     if !arguments.has_network() {
@@ -172,7 +172,7 @@ fn join(
     };
     let joined = network::join(wanted, known, &is_fed, &children.inbox(), &tell);
     let (network, outside) = joined.map_err(anyhow::Error::msg)?;
-    children.tell(outside);
+    children.subscribe(outside);
     Ok(Some(network))
 }
 

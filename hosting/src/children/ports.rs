@@ -34,25 +34,25 @@ pub(super) struct SharedDataPool {
 impl Children {
     /// Puts new data of a source into shared memory, and sends its path to readers that do not have it.
     pub(super) fn show(&mut self, origin: Origin, readers: &[Reader<'_>], data: &[u8]) {
-        let fits = self.boards.of.get(&origin).is_some_and(|pair| pair.1.holds(data.len()));
+        let fits = self.shared_data.of.get(&origin).is_some_and(|pair| pair.1.holds(data.len()));
         if !fits {
             let Ok(board) = SharedData::new(data.len()) else {
                 // Memory is exhausted: readers keep their data.
                 self.denied.insert("memory for the data of ports".to_owned());
                 return;
             };
-            self.boards.made += 1;
-            let small = self.boards.of.insert(origin.clone(), (self.boards.made, board));
-            self.boards.small.extend(small.map(|pair| pair.1));
+            self.shared_data.made += 1;
+            let small = self.shared_data.of.insert(origin.clone(), (self.shared_data.made, board));
+            self.shared_data.small.extend(small.map(|pair| pair.1));
         }
-        let Some((number, board)) = self.boards.of.get_mut(&origin) else {
+        let Some((number, board)) = self.shared_data.of.get_mut(&origin) else {
             return;
         };
         board.write(data);
         let (number, path) = (*number, board.path());
         for reader in readers {
             let place = (reader.component, reader.port, reader.name.to_owned());
-            if self.boards.shown.insert(place, number) != Some(number) {
+            if self.shared_data.shown.insert(place, number) != Some(number) {
                 let order = HostCommand::Share {
                     port: reader.port,
                     id: reader.name.to_owned(),

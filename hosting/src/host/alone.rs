@@ -13,7 +13,7 @@ use dotgen_runtime::hosts::{CodelEnd, DelegatedYield, HostMachine};
 
 use super::Host;
 use crate::executing::Executing;
-use crate::library::Outcome;
+use crate::library::CodelOutcome;
 use crate::realtime;
 
 /// Exit status of a host that had no engine.
@@ -78,7 +78,7 @@ impl Activities {
     }
 
     /// Notes that a codel has ended.
-    pub(super) fn end(&self, codel: u32, instance: u32, outcome: &Outcome) {
+    pub(super) fn end(&self, codel: u32, instance: u32, outcome: &CodelOutcome) {
         let mut state = self.lock();
         state.running -= 1;
         state.end(codel, instance, outcome);
@@ -150,7 +150,7 @@ impl State {
         }
     }
 
-    fn end(&mut self, codel: u32, instance: u32, outcome: &Outcome) {
+    fn end(&mut self, codel: u32, instance: u32, outcome: &CodelOutcome) {
         let Some(number) = self.machine(codel) else { return };
         let machine = &self.machines[number];
         self.all.retain_mut(|activity| {
@@ -168,7 +168,7 @@ impl State {
 }
 
 /// Returns the state after a codel; `None` if the activity ends.
-fn next(machine: &HostMachine, state: usize, outcome: &Outcome) -> Option<DelegatedYield> {
+fn next(machine: &HostMachine, state: usize, outcome: &CodelOutcome) -> Option<DelegatedYield> {
     match outcome.how {
         CodelEnd::Event => machine.states.get(state)?.next_of(&outcome.name),
         _ => None,

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use dotgen_runtime::hosts::{Call, CodelEnd, CodelResult, DelegatedYield, Delegation};
 
-use super::{CONTROL, ENGINE_ENDED, Host, alone, tell, tell_all};
+use super::{CONTROL, ENGINE_ENDED, Host, alone, send, send_all};
 use crate::clock::monotonic_nanos;
 use crate::realtime;
 use crate::wire::HostMessage;
@@ -42,7 +42,7 @@ impl Reports {
             return Ok(());
         }
         let messages: Vec<_> = unsent.drain(..).map(HostMessage::CodelResult).collect();
-        tell_all(&host.output, &messages)
+        send_all(&host.output, &messages)
     }
 }
 
@@ -90,7 +90,7 @@ impl Lane {
         let mut unsent = self.reports.lock();
         let until = monotonic_nanos();
         self.reports.send(&mut unsent, host)?;
-        tell(&host.output, HostMessage::Probed { probe, until })
+        send(&host.output, HostMessage::Probed { probe, until })
     }
 }
 
@@ -121,7 +121,7 @@ impl Worker {
         if let Some(core) = core.filter(|&core| !realtime::pin(core)) {
             // Without a channel nothing can be reported.
             let denied = HostMessage::Denied(format!("core {core}"));
-            let _ = tell(&self.host.output, denied);
+            let _ = send(&self.host.output, denied);
         }
     }
 
@@ -130,7 +130,7 @@ impl Worker {
             let sent = match job {
                 Job::Codel(call) => {
                     let ran = self.execute(call.ticket, call.codel, call.instance);
-                    tell(&self.host.output, HostMessage::CodelResult(ran))
+                    send(&self.host.output, HostMessage::CodelResult(ran))
                 }
                 Job::Cycles(delegation) => self.cycles(&delegation),
                 // The cycles have ended by themselves.
@@ -180,7 +180,7 @@ impl Worker {
             let passed = ended.saturating_sub(tick) / delegation.period.max(1);
             tick += passed.max(1) * delegation.period;
         }
-        tell(&self.host.output, HostMessage::Recalled { ticket })
+        send(&self.host.output, HostMessage::Recalled { ticket })
     }
 
     fn note_executing(&self, executes: Option<(u32, u64)>) {

@@ -31,7 +31,7 @@ pub(crate) struct Move {
 
 /// The effect of a transition.
 #[derive(Debug, Clone)]
-pub(crate) struct Outcome {
+pub(crate) struct Effect {
     /// The transition, with the invariants of its target among the constraints.
     pub(crate) step: Move,
     pub(crate) discrete: Vec<i32>,
@@ -214,16 +214,16 @@ impl System<'_> {
         discrete: &[i32],
         zone: &Zone,
         rows: &[u32],
-    ) -> Result<Vec<Outcome>, Trap> {
+    ) -> Result<Vec<Effect>, Trap> {
         let mut moves = self.candidates(discrete)?;
         let enabled = |step: &Move| zone.clone().constrain_all(&local(&step.constraints, rows));
         moves.retain(enabled);
         if self.priorities {
             moves.sort_by_key(|step| std::cmp::Reverse(step.priority));
         }
-        let mut out: Vec<Outcome> = Vec::new();
+        let mut out: Vec<Effect> = Vec::new();
         for step in moves {
-            let higher: Vec<&Outcome> = if self.priorities {
+            let higher: Vec<&Effect> = if self.priorities {
                 out.iter().filter(|outcome| outcome.step.priority > step.priority).collect()
             } else {
                 Vec::new()
@@ -240,7 +240,7 @@ impl System<'_> {
     }
 
     /// The effect of a transition, or `None` if an invariant of the target on integers is false.
-    fn apply(&mut self, discrete: &[i32], mut step: Move) -> Result<Option<Outcome>, Trap> {
+    fn apply(&mut self, discrete: &[i32], mut step: Move) -> Result<Option<Effect>, Trap> {
         self.machine.load(discrete);
         let mut resets = Vec::new();
         let (processes, mut targets) = (self.processes, Vec::new());
@@ -276,7 +276,7 @@ impl System<'_> {
                 Some(_) => {}
             }
         }
-        Ok(Some(Outcome { step, discrete, resets }))
+        Ok(Some(Effect { step, discrete, resets }))
     }
 
     fn describe(&self, step: &Move, trap: &str) -> Trap {
@@ -335,12 +335,7 @@ fn broadcasts<'r>(
 }
 
 /// The parts of a transition that transitions of higher priority leave.
-fn remaining(
-    step: Move,
-    higher: &[&Outcome],
-    zone: &Zone,
-    rows: &[u32],
-) -> Result<Vec<Move>, Trap> {
+fn remaining(step: Move, higher: &[&Effect], zone: &Zone, rows: &[u32]) -> Result<Vec<Move>, Trap> {
     let mut parts = vec![step];
     for outcome in higher {
         let negations = negations(&outcome.step.constraints);

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::atomic::Ordering;
 
-use super::moves::{Outcome, System, local};
+use super::moves::{Effect, System, local};
 use super::store::{Store, pack};
 use crate::eval::Trap;
 use crate::network::ceilings::Ceilings;
@@ -82,7 +82,7 @@ impl<'n, 's> Search<'n, 's> {
     pub(crate) fn successor(
         &mut self,
         from: &State,
-        outcome: &Outcome,
+        outcome: &Effect,
     ) -> Result<Option<(u32, Zone)>, Trap> {
         let mut zone = from.zone.clone();
         if !zone.constrain_all(&local(&outcome.step.constraints, &from.rows)) {

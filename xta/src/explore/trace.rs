@@ -1,6 +1,6 @@
 //! Counterexamples: the transitions to a state, with their earliest times.
 
-use super::moves::Outcome;
+use super::moves::Effect;
 use super::search::{Search, State};
 use crate::eval::Trap;
 use crate::zone::{Constraint, INFINITE};
@@ -9,7 +9,7 @@ use crate::{Change, Step, Trace};
 /// A transition of a trace, with the state before it.
 struct Fired {
     state: State,
-    outcome: Outcome,
+    outcome: Effect,
 }
 
 impl Search<'_, '_> {
@@ -62,7 +62,7 @@ impl Search<'_, '_> {
     }
 
     /// The transition from a state to a node.
-    fn between(&mut self, state: &State, to: u32) -> Result<Outcome, Trap> {
+    fn between(&mut self, state: &State, to: u32) -> Result<Effect, Trap> {
         for outcome in self.system.outcomes(&state.discrete, &state.zone, &state.rows)? {
             if let Some((entry, zone)) = self.successor(state, &outcome)? {
                 let node = &self.store.nodes[to as usize];
