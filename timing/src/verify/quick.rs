@@ -27,6 +27,10 @@ const SHARE: usize = 4;
 /// Limit on the actions that look for response times as long as their bounds.
 const ACTIONS: u64 = 1_000_000;
 
+/// Limit on the actions that look for missed deadlines before schedule abstraction, which may take long to
+/// find that it cannot tell.
+const EARLY_ACTIONS: u64 = 200_000;
+
 /// Number of actions of the exploration that comes before walks to missed deadlines.
 const FIRST: u64 = 50_000;
 
@@ -86,6 +90,25 @@ impl Seen {
 }
 
 impl Group<'_> {
+    /// Looks for missed deadlines before schedule abstraction: without requests, if clients may wait for ever.
+    pub(super) fn early(
+        &self,
+        checks: &[Single],
+        of_group: &[usize],
+        analysed: &ResponseBounds,
+        report: &mut Report,
+    ) {
+        let staying = self.staying(0);
+        let early = Group { built: staying.as_ref().unwrap_or(self.built), ..*self };
+        early.walk_to_misses(checks, of_group, analysed, EARLY_ACTIONS, report);
+    }
+
+    /// Returns the system whose clients wait for ever after some requests, if they may wait.
+    fn staying(&self, rounds: usize) -> Option<Built> {
+        let system = self.built.system.waiting_forever_after(rounds)?;
+        Some(Built { system, shared: OnceLock::new(), ..self.built.clone() })
+    }
+
     /// Answers what can be answered soon. What is alone and has no clients that may wait is explored anyway.
     pub(super) fn soon(
         &self,
@@ -99,14 +122,12 @@ impl Group<'_> {
         self.walk(checks, of_group, analysed, &mut seen, report);
         for (rounds, states) in STAGES {
             let share = if rounds == Some(0) { 1 } else { SHARE };
-            let staying = self.built.system.waiting_forever_after(rounds.unwrap_or(0));
-            let built = match (rounds, staying) {
+            let staying = self.staying(rounds.unwrap_or(0));
+            let built = match (rounds, &staying) {
                 (None, None) if alone => break,
                 (None, _) => self.built,
                 (Some(_), None) => continue,
-                (Some(_), Some(system)) => {
-                    &Built { system, shared: OnceLock::new(), ..self.built.clone() }
-                }
+                (Some(_), Some(built)) => built,
             };
             let stage = Group {
                 built,
@@ -121,7 +142,7 @@ impl Group<'_> {
                 stage.stage(checks, part, rounds.is_none(), &mut seen, report);
             }
         }
-        self.walk_to_misses(checks, of_group, analysed, report);
+        self.walk_to_misses(checks, of_group, analysed, ACTIONS, report);
         seen
     }
 
@@ -131,6 +152,7 @@ impl Group<'_> {
         checks: &[Single],
         of_group: &[usize],
         analysed: &ResponseBounds,
+        actions: u64,
         report: &mut Report,
     ) {
         let open = of_group.iter().copied().filter(|&i| report.is_open(i));
@@ -140,7 +162,7 @@ impl Group<'_> {
             return;
         }
         // An exploration finds the shortest runs, if they are short.
-        let limits = Limits { steps: self.limits.steps.min(FIRST), ..self.limits };
+        let limits = Limits { steps: self.limits.steps.min(FIRST).min(actions / 4), ..self.limits };
         let explored = explore(&self.built.system, &watch, limits, self.cancel);
         if matches!(explored.stopped, None | Some(Stop::Answered)) {
             return;
@@ -152,7 +174,7 @@ impl Group<'_> {
         }
         watch.response.clear();
         // An action takes less time than a state that is kept.
-        let actions = ACTIONS.min((self.limits.states as u64).saturating_mul(8));
+        let actions = actions.min((self.limits.states as u64).saturating_mul(8));
         let walked = walk(&self.built.system, &watch, actions, self.cancel);
         let runs = explored.missed.into_iter().zip(walked.missed);
         let found = Findings {
