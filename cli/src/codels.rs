@@ -25,7 +25,6 @@ use super::session::{self, Session};
 use super::{Outcome, SpecificationOptions};
 use dotgen_lsp_server::features::codels::Disk;
 use dotgen_lsp_server::features::codels::headers::{FOLDER, IGNORED};
-use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
 use dotgen_platform::files::vfs;
 
 /// Check codels against their specification, write stubs, compile
@@ -180,18 +179,7 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
             let locations = &*folder.unit.locations;
             found.extend(diagnostics(&differs, locations, Side::First));
         }
-        for allowance in &found {
-            for path in std::iter::once(&allowance.path)
-                .chain(allowance.related.iter().map(|related| &related.path))
-            {
-                let text = project.text(path).unwrap_or_default();
-                report
-                    .texts
-                    .entry(path.clone())
-                    .or_insert_with(|| Lines::new(text, Encoding::Utf16));
-            }
-        }
-        report.diagnostics.extend(found);
+        report.add(found, |path| project.text(path));
     }
     report.finish();
     report::print(&report, arguments.format)?;

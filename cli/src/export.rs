@@ -7,15 +7,13 @@ use dotgen_analysis::host::FileContent;
 use dotgen_analysis::model::Src;
 use dotgen_export::{Format, export};
 use dotgen_platform::files::vfs;
-use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
+use dotgen_timing::verify::{Options, Prepared};
 use dotgen_views::verification::Problem;
 
 use super::session::Session;
 use super::system_options::{DurationsName, SystemOptions};
-use super::verify::diagnostics::ScenarioDiagnostics;
-use super::verify::{body, one_problem, parsed};
+use super::verify::{body, one_problem, parsed, prepared};
 use super::{Outcome, SpecificationOptions, report, session};
 
 /// Words of the first lines of each file that the command writes.
@@ -95,12 +93,8 @@ impl ModelOptions {
             checks: parsed(&checks, &problem)?,
             ..self.system.options()
         };
-        let input = SystemInput { specs: problem.specs() };
-        let prepared = prepare(&input, &problem.scenario, &options);
-        let told = together(&prepared.report.diagnostics);
-        ScenarioDiagnostics::by_verifier(&session, &problem, &told, &checks)?.print()?;
-        let is_usable = !prepared.report.has_errors();
-        Ok(is_usable.then_some(Model { session, problem, options, prepared }))
+        let prepared = prepared(&session, &problem, &options, &checks, true)?;
+        Ok(prepared.map(|prepared| Model { session, problem, options, prepared }))
     }
 }
 

@@ -9,21 +9,20 @@ use std::time::Duration;
 
 use anyhow::{Context, bail};
 use camino::{Utf8Path, Utf8PathBuf};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use dotgen_recording::log::Lines;
 use dotgen_recording::monitor::{Monitor, MonitorReport};
 use dotgen_recording::trace::Trace;
-use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::verify::{Interrupt, SystemInput, prepare};
+use dotgen_timing::verify::Interrupt;
 
 use super::outputs::{self, Output, PERFETTO};
+use super::report::TextOrJson;
 use super::run::bounds;
 use super::run::text::check_title;
-use super::session::{display, is_standard_input};
+use super::session::is_standard_input;
 use super::system_options::SystemOptions;
-use super::verify::diagnostics::ScenarioDiagnostics;
-use super::verify::{interrupt, one_problem};
+use super::verify::{interrupt, one_problem, prepared, title};
 use super::wcet::{CHUNK_BYTES, InputFiles, input_files, open, read_log};
 use super::{Outcome, SpecificationOptions, report};
 use dotgen_platform::files::disk::Stream;
@@ -64,19 +63,11 @@ pub(super) struct Arguments {
     trace: Option<Utf8PathBuf>,
 
     /// Output format
-    #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
+    #[arg(long, value_enum, default_value_t = TextOrJson::Text)]
+    format: TextOrJson,
 
     #[command(flatten)]
     reading: SpecificationOptions,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Format {
-    /// For people
-    Text,
-    /// For programs
-    Json,
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
@@ -92,15 +83,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let read = problem.files().chain(files.logs.iter().map(camino::Utf8PathBuf::as_path));
     outputs::check(&written, read)?;
     let options = arguments.system.options();
-    let input = SystemInput { specs: problem.specs() };
-    let prepared = prepare(&input, &problem.scenario, &options);
-    if prepared.report.has_errors() {
-        let told = together(&prepared.report.diagnostics);
-        ScenarioDiagnostics::by_verifier(&session, &problem, &told, &[])?.print()?;
+    let Some(prepared) = prepared(&session, &problem, &options, &[], false)? else {
         return Ok(Outcome::Unusable);
-    }
+    };
     let bounds = bounds::of_tasks(arguments.bounds, &problem, &options, &prepared, &interrupt);
-    let names = Names::new(&input.specs);
+    let names = Names::new(&problem.specs());
     let system = &prepared.built.system;
     let compare = prepared.checks.iter().filter(|check| !check.data.is_empty());
     for check in compare {
@@ -124,11 +111,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if let (Some(path), Some(trace)) = (&arguments.trace, trace) {
         write_trace(path, &trace.finish())?;
     }
-    let title = match problem.scenario.name.as_str() {
-        "" => display(&problem.path),
-        name => name.to_owned(),
-    };
-    print(&title, &reports, arguments.format)
+    print(&title(&problem), &reports, arguments.format)
 }
 
 /// Checks that the files and options fit together.
@@ -181,15 +164,15 @@ fn observe(
 fn print(
     title: &str,
     reports: &[(Utf8PathBuf, MonitorReport)],
-    format: Format,
+    format: TextOrJson,
 ) -> anyhow::Result<Outcome> {
     let mut all = reports.iter().map(|(_, report)| report);
     let nothing = all.all(|report| report.runs == 0 && report.deviation_count == 0);
     match format {
         // Without lines, only the error is printed.
-        Format::Text if nothing => {}
-        Format::Text => text::print(title, reports)?,
-        Format::Json => print_json(title, reports)?,
+        TextOrJson::Text if nothing => {}
+        TextOrJson::Text => text::print(title, reports)?,
+        TextOrJson::Json => print_json(title, reports)?,
     }
     if nothing {
         bail!("the log has no line of a codel of {title}");
@@ -204,12 +187,12 @@ struct NewDeviations(usize);
 
 impl NewDeviations {
     /// Prints the deviations since the last call, in text format.
-    fn print(&mut self, monitor: &Monitor<'_>, format: Format) -> anyhow::Result<()> {
+    fn print(&mut self, monitor: &Monitor<'_>, format: TextOrJson) -> anyhow::Result<()> {
         let fresh = monitor.found(self.0);
         self.0 += fresh.len();
         match format {
-            Format::Text => text::as_they_come(fresh),
-            Format::Json => Ok(()),
+            TextOrJson::Text => text::as_they_come(fresh),
+            TextOrJson::Json => Ok(()),
         }
     }
 }
@@ -218,7 +201,7 @@ impl NewDeviations {
 fn follow(
     path: &Utf8Path,
     monitor: &mut Monitor<'_>,
-    format: Format,
+    format: TextOrJson,
     interrupt: &Interrupt,
 ) -> anyhow::Result<()> {
     let wrong = || format!("cannot read `{path}`");
@@ -278,11 +261,5 @@ fn print_json(title: &str, reports: &[(Utf8PathBuf, MonitorReport)]) -> anyhow::
         document["log"] = log.as_str().into();
         documents.push(document);
     }
-    let document = match documents.len() {
-        1 => documents.remove(0),
-        _ => serde_json::Value::Array(documents),
-    };
-    let text = serde_json::to_string_pretty(&document)? + "\n";
-    std::io::stdout().write_all(text.as_bytes())?;
-    Ok(())
+    outputs::print_json(&outputs::one_or_all(documents))
 }

@@ -1,9 +1,14 @@
-//! Files that a command writes in addition to its report: logs, traces and recordings.
+//! Documents of JSON on standard output, and files that a command writes in addition to its report: logs,
+//! traces and recordings.
+
+use std::io::Write as _;
 
 use anyhow::bail;
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::language::Language;
 use dotgen_codegen::codels::source::Grammar;
+use serde::Serialize;
+use serde_json::Value;
 
 /// Extension of traces for Perfetto.
 pub(super) const PERFETTO: &str = "pftrace";
@@ -13,6 +18,20 @@ pub(super) const VIEWER: &str = "json";
 
 /// Extension of recordings for Foxglove.
 pub(super) const MCAP: &str = "mcap";
+
+/// Prints a document of JSON.
+pub(super) fn print_json(document: &impl Serialize) -> anyhow::Result<()> {
+    let text = serde_json::to_string_pretty(document)? + "\n";
+    Ok(std::io::stdout().write_all(text.as_bytes())?)
+}
+
+/// Returns one document for several: one alone stands for itself, more are a list.
+pub(super) fn one_or_all(mut documents: Vec<Value>) -> Value {
+    match documents.len() {
+        1 => documents.remove(0),
+        _ => Value::Array(documents),
+    }
+}
 
 /// An output file.
 pub(super) struct Output<'f> {

@@ -6,23 +6,21 @@ use std::io::Write;
 
 use anyhow::bail;
 use camino::Utf8PathBuf;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use dotgen_analysis::terminal;
 use dotgen_recording::record;
 use dotgen_recording::replay::{
     Difference, DifferenceKind, ReplayReport, Step, with_any_exception,
 };
 use dotgen_runtime::refine;
-use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::system::ClientId;
-use dotgen_timing::verify::{Prepared, SystemInput, prepare};
+use dotgen_timing::verify::Prepared;
 
 use self::checks::RecordedChecks;
-use super::outputs::MCAP;
-use super::session::display;
+use super::outputs::{self, MCAP};
+use super::report::TextOrJson;
 use super::system_options::SystemOptions;
-use super::verify::diagnostics::ScenarioDiagnostics;
-use super::verify::one_problem;
+use super::verify::{one_problem, prepared, title};
 use super::wcet::unreadable;
 use super::{Outcome, SpecificationOptions, report};
 
@@ -48,19 +46,11 @@ pub(super) struct Arguments {
     system: SystemOptions,
 
     /// Output format
-    #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
+    #[arg(long, value_enum, default_value_t = TextOrJson::Text)]
+    format: TextOrJson,
 
     #[command(flatten)]
     reading: SpecificationOptions,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Format {
-    /// For people
-    Text,
-    /// For programs
-    Json,
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
@@ -90,13 +80,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         return Ok(Outcome::Unusable);
     };
     let options = arguments.system.options();
-    let input = SystemInput { specs: problem.specs() };
-    let mut prepared = prepare(&input, &problem.scenario, &options);
-    if prepared.report.has_errors() {
-        let told = together(&prepared.report.diagnostics);
-        ScenarioDiagnostics::by_verifier(&session, &problem, &told, &[])?.print()?;
+    let Some(mut prepared) = prepared(&session, &problem, &options, &[], false)? else {
         return Ok(Outcome::Unusable);
-    }
+    };
     let default = !problem.is_written();
     let outside = with_environment(&mut prepared, &recorded.about, default);
     let verified = &prepared.built.system;
@@ -115,16 +101,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     for note in &prepared.report.notes {
         report::note(note);
     }
-    let title = match problem.scenario.name.as_str() {
-        "" => display(&problem.path),
-        name => name.to_owned(),
-    };
+    let title = title(&problem);
     match arguments.format {
-        Format::Text => {
+        TextOrJson::Text => {
             print_text(&title, &recorded.about.scenario, &prepared, &report, damaged)?;
             recorded_checks.print(&checks, report.followed == report.steps && damaged.is_none())?;
         }
-        Format::Json => {
+        TextOrJson::Json => {
             let mut document = serde_json::to_value(&report)?;
             document["scenario"] = title.into();
             document["recording"] = path.as_str().into();
@@ -137,8 +120,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             if let Some(at) = damaged {
                 document["damaged-at"] = at.into();
             }
-            let text = serde_json::to_string_pretty(&document)? + "\n";
-            std::io::stdout().write_all(text.as_bytes())?;
+            outputs::print_json(&document)?;
         }
     }
     Ok(match report.difference_count {

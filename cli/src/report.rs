@@ -5,6 +5,7 @@ pub(super) mod sarif;
 pub(super) mod text;
 
 use std::collections::HashSet;
+use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::ValueEnum;
@@ -20,6 +21,7 @@ use serde::Serialize;
 
 use super::session::{SourceFile, Texts, absolute, display};
 use super::width::wrapped_for_errors;
+use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
 use dotgen_platform::files::disk::SystemDisk;
 use dotgen_platform::files::vfs;
 
@@ -95,11 +97,36 @@ impl FileReports {
         });
     }
 
+    /// Adds diagnostics, and the texts that their places are in.
+    pub(super) fn add(
+        &mut self,
+        diagnostics: Vec<Diagnostic>,
+        mut text_of: impl FnMut(&Utf8Path) -> Option<Arc<str>>,
+    ) {
+        for diagnostic in &diagnostics {
+            let related = diagnostic.related.iter().map(|related| &related.path);
+            for path in std::iter::once(&diagnostic.path).chain(related) {
+                let lines = || Lines::new(text_of(path).unwrap_or_default(), Encoding::Utf16);
+                self.texts.entry(path.clone()).or_insert_with(lines);
+            }
+        }
+        self.diagnostics.extend(diagnostics);
+    }
+
     /// Number of diagnostics of a severity.
     pub(super) fn count(&self, severity: Severity) -> usize {
         let of = |diagnostic: &&Diagnostic| diagnostic.severity == severity;
         self.diagnostics.iter().filter(of).count()
     }
+}
+
+/// Output format of most commands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum TextOrJson {
+    /// For people
+    Text,
+    /// For programs
+    Json,
 }
 
 /// Output format of diagnostics.

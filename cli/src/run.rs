@@ -32,6 +32,7 @@ use num_rational::Ratio;
 use serde::{Deserialize, Serialize};
 
 use super::outputs::{self, MCAP, Output, PERFETTO, VIEWER};
+use super::report::TextOrJson;
 use super::system_options::SystemOptions;
 use super::verify::{body, interrupt, problems};
 use super::{Outcome, SpecificationOptions, report};
@@ -202,8 +203,8 @@ pub(super) struct Arguments {
     debug: bool,
 
     /// Output format
-    #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
+    #[arg(long, value_enum, default_value_t = TextOrJson::Text)]
+    format: TextOrJson,
 
     #[command(flatten)]
     reading: SpecificationOptions,
@@ -259,14 +260,6 @@ enum OnViolation {
     StopActivity,
     /// Stop the run
     Stop,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Format {
-    /// For people
-    Text,
-    /// For programs
-    Json,
 }
 
 /// The longest bound on the end of a run.
@@ -502,11 +495,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     Ok(trouble.outcome(outcome(&answers)))
 }
 
-fn print(answers: &[Answer], format: Format) -> anyhow::Result<()> {
+fn print(answers: &[Answer], format: TextOrJson) -> anyhow::Result<()> {
     match format {
         _ if answers.is_empty() => Ok(()),
-        Format::Text => text::print(answers),
-        Format::Json => print_json(answers),
+        TextOrJson::Text => text::print(answers),
+        TextOrJson::Json => print_json(answers),
     }
 }
 
@@ -530,10 +523,10 @@ impl Arguments {
     fn waiting(&self) -> dotgen_hosting::children::Waiting {
         let format = self.format;
         Box::new(move |component, process| match format {
-            Format::Text => {
+            TextOrJson::Text => {
                 report::note(&format!("`{component}` waits for a debugger: gdb -p {process}"));
             }
-            Format::Json => {
+            TextOrJson::Json => {
                 let line = serde_json::json!({
                     "format": dotgen_runtime::report::FORMAT,
                     "component": component,
@@ -576,12 +569,6 @@ impl Arguments {
 
 /// One document: an object for one scenario, a list for several.
 fn print_json(answers: &[Answer]) -> anyhow::Result<()> {
-    let document = match answers {
-        [answer] => serde_json::to_value(answer)?,
-        _ => serde_json::to_value(answers)?,
-    };
-    let mut out = serde_json::to_string_pretty(&document)?;
-    out.push('\n');
-    std::io::stdout().write_all(out.as_bytes())?;
-    Ok(())
+    let documents = answers.iter().map(serde_json::to_value).collect::<Result<_, _>>()?;
+    outputs::print_json(&outputs::one_or_all(documents))
 }

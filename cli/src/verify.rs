@@ -14,7 +14,7 @@ use std::time::Duration;
 
 use anyhow::{anyhow, bail};
 use camino::{Utf8Path, Utf8PathBuf};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use dotgen_analysis::diagnostic::FileEdit;
 use dotgen_analysis::host::FileContent;
 use dotgen_analysis::language::{self, Language, SPECIFICATION};
@@ -24,10 +24,11 @@ use dotgen_timing::explore::{Kind, Limits};
 use dotgen_timing::report::Report;
 use dotgen_timing::scn::ast::Check;
 use dotgen_timing::scn::{Platform, parse_check};
-use dotgen_timing::verify::{Cancel, Interrupt, Options, settings};
+use dotgen_timing::verify::{Cancel, Interrupt, Options, Prepared, SystemInput, prepare, settings};
 
 use self::diagnostics::ScenarioDiagnostics;
 use super::outputs::{self, Output, VIEWER};
+use super::report::TextOrJson;
 use super::session::{self, ErrorReporter, Session, SourceFile};
 use super::system_options::{DurationsName, SystemOptions};
 use super::{Outcome, SpecificationOptions, report, trace};
@@ -113,19 +114,11 @@ pub(super) struct Arguments {
     without: Vec<Kind>,
 
     /// Output format
-    #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
+    #[arg(long, value_enum, default_value_t = TextOrJson::Text)]
+    format: TextOrJson,
 
     #[command(flatten)]
     reading: SpecificationOptions,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Format {
-    /// For people
-    Text,
-    /// For programs
-    Json,
 }
 
 /// Maximum number of states for a specification without a scenario. Its client may send any request, and a
@@ -195,7 +188,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             None => trouble.told(),
         }
     }
-    if !answers.is_empty() && matches!(arguments.format, Format::Json) {
+    if !answers.is_empty() && matches!(arguments.format, TextOrJson::Json) {
         json::print(&answers)?;
     }
     if let Some(path) = &arguments.trace {
@@ -245,7 +238,7 @@ fn answer(
     let told = |all: &[dotgen_timing::diagnostic::Diagnostic]| {
         ScenarioDiagnostics::by_verifier(session, &problem, all, checks)
     };
-    let is_text = matches!(arguments.format, Format::Text);
+    let is_text = matches!(arguments.format, TextOrJson::Text);
     // In JSON, diagnostics are part of the document, if there is one.
     if is_text || report.has_errors() {
         told(&together(&report.diagnostics))?.print()?;
@@ -337,6 +330,33 @@ pub(super) fn one_problem(
         return Ok(None);
     }
     Ok(Some((session, problem)))
+}
+
+/// Prepares a problem. Returns `None` after errors. Errors are printed, and with `with_warnings` all
+/// diagnostics.
+pub(super) fn prepared(
+    session: &Session,
+    problem: &Problem,
+    options: &Options,
+    checks: &[&str],
+    with_warnings: bool,
+) -> anyhow::Result<Option<Prepared>> {
+    let input = SystemInput { specs: problem.specs() };
+    let prepared = prepare(&input, &problem.scenario, options);
+    let has_errors = prepared.report.has_errors();
+    if with_warnings || has_errors {
+        let told = together(&prepared.report.diagnostics);
+        ScenarioDiagnostics::by_verifier(session, problem, &told, checks)?.print()?;
+    }
+    Ok((!has_errors).then_some(prepared))
+}
+
+/// Returns the name of a scenario, or else its file.
+pub(super) fn title(problem: &Problem) -> String {
+    match problem.scenario.name.as_str() {
+        "" => display(&problem.path),
+        name => name.to_owned(),
+    }
 }
 
 fn of_scenario(

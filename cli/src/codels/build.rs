@@ -29,7 +29,6 @@ use crate::report::{self, FileReports, Format};
 use crate::{Outcome, SpecificationOptions, session};
 use dotgen_lsp_server::features::codels::Disk;
 use dotgen_lsp_server::features::codels::headers::{FOLDER, IGNORED};
-use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
 use dotgen_platform::files::disk::SystemDisk;
 use dotgen_platform::files::vfs;
 use dotgen_platform::files::vfs::PackageConfig;
@@ -94,15 +93,7 @@ pub(super) fn run(arguments: &Build) -> anyhow::Result<Outcome> {
             whole &= built.whole;
             report.checked += 1;
             report.incomplete += usize::from(!built.complete);
-            for diagnostic in &built.diagnostics {
-                for path in std::iter::once(&diagnostic.path)
-                    .chain(diagnostic.related.iter().map(|related| &related.path))
-                {
-                    let lines = || Lines::new(text(path), Encoding::Utf16);
-                    report.texts.entry(path.clone()).or_insert_with(lines);
-                }
-            }
-            report.diagnostics.extend(built.diagnostics);
+            report.add(built.diagnostics, |path| Disk.read(path));
         }
     }
     report.finish();
@@ -113,10 +104,6 @@ pub(super) fn run(arguments: &Build) -> anyhow::Result<Outcome> {
     let outcome =
         if whole && report.count(Severity::Error) == 0 { Outcome::Fine } else { Outcome::Errors };
     Ok(trouble.outcome(outcome))
-}
-
-fn text(path: &Utf8Path) -> std::sync::Arc<str> {
-    Disk.read(path).unwrap_or_default()
 }
 
 fn tools(optimization: Optimization) -> anyhow::Result<Tools> {
@@ -424,7 +411,7 @@ impl Builder<'_> {
         let mut out: Vec<Diagnostic> = Vec::new();
         for message in said {
             let path = vfs::normalize(&message.path);
-            let text = text(&path);
+            let text = Disk.read(&path).unwrap_or_default();
             let range = place(&text, message.line, message.column);
             let severity = match message.weight {
                 MessageLevel::Error => Severity::Error,

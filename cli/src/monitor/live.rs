@@ -8,8 +8,9 @@ use dotgen_recording::monitor::Monitor;
 use dotgen_timing::verify::Interrupt;
 use serde_json::json;
 
-use super::{Format, NewDeviations, POLL_INTERVAL};
+use super::{NewDeviations, POLL_INTERVAL};
 use crate::call::RunConnection;
+use crate::report::TextOrJson;
 
 pub(super) fn is_socket(path: &Utf8Path) -> bool {
     std::fs::metadata(path).is_ok_and(|metadata| metadata.file_type().is_socket())
@@ -19,7 +20,7 @@ pub(super) fn is_socket(path: &Utf8Path) -> bool {
 pub(super) fn follow(
     path: &Utf8Path,
     monitor: &mut Monitor<'_>,
-    format: Format,
+    format: TextOrJson,
     interrupt: &Interrupt,
 ) -> anyhow::Result<()> {
     let mut talk = RunConnection::begin(Some(&path.to_owned()))?;

@@ -24,6 +24,7 @@ use super::{Arguments, Clock, Simulate, text};
 use crate::progress;
 use crate::report;
 use crate::session::Session;
+use crate::verify::title;
 use dotgen_platform::files::disk::AppendedFile;
 use dotgen_views::verification::Problem;
 
@@ -219,10 +220,7 @@ impl Context<'_, '_> {
         let Some(file) = file else {
             return Ok(None);
         };
-        let scenario = match self.problem.scenario.name.as_str() {
-            "" => crate::session::display(&self.problem.path),
-            name => name.to_owned(),
-        };
+        let scenario = title(self.problem);
         Recording::new(file, prepared, self.names, scenario, real, executed).map(Some)
     }
 

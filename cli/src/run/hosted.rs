@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use anyhow::{Context, bail};
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::diagnostic::{Diagnostic, Severity};
+use dotgen_analysis::diagnostic::Severity;
 use dotgen_codegen::codels::build::Optimization;
 use dotgen_codegen::codels::files::{Files as _, Sources};
 use dotgen_codegen::codels::folder::folders;
@@ -20,7 +20,6 @@ use crate::codels::build;
 use crate::report::{self, FileReports};
 use crate::session::Session;
 use dotgen_lsp_server::features::codels::Disk;
-use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
 use dotgen_views::verification::Problem;
 use typed_index_collections::{TiVec, ti_vec};
 
@@ -60,7 +59,9 @@ pub(super) fn build<'s>(
             let optimization = if debug { Optimization::None } else { Optimization::Some };
             let built = build::hosts(&folder, session.packages(), optimization, interrupt)?;
             failed |= built.failed;
-            note_errors(&mut said, built.diagnostics);
+            let mut errors = built.diagnostics;
+            errors.retain(|error| error.severity == Severity::Error);
+            said.add(errors, |path| Disk.read(path));
             for shared_object in built.hosted {
                 let name = &unit.spec.components[shared_object.component as usize].name;
                 let found = names.components.iter().position(|member| {
@@ -89,22 +90,6 @@ pub(super) fn build<'s>(
         .filter_map(|(part, member)| simulated_note(&member.component.name, part.as_ref()))
         .collect();
     Ok(Some(out))
-}
-
-/// Adds the errors of a build, with the texts that their places are in.
-fn note_errors(said: &mut FileReports, diagnostics: Vec<Diagnostic>) {
-    for diagnostic in &diagnostics {
-        let related = diagnostic.related.iter().map(|related| &related.path);
-        for path in std::iter::once(&diagnostic.path).chain(related) {
-            let text = || Disk.read(path).unwrap_or_default();
-            let lines = || Lines::new(text(), Encoding::Utf16);
-            said.texts.entry(path.clone()).or_insert_with(lines);
-        }
-    }
-    let errors = diagnostics.into_iter();
-    let errors = errors.filter(|error| error.severity == Severity::Error);
-    said.diagnostics.extend(errors);
-    said.checked += 1;
 }
 
 /// Returns the note about what is simulated of a component.

@@ -5,7 +5,8 @@ use camino::{Utf8Path, Utf8PathBuf};
 use clap::Args;
 use dotgen_runtime::report::{FORMAT, RunReport};
 
-use super::{Answer, Format, outcome, print};
+use super::{Answer, outcome, print};
+use crate::report::TextOrJson;
 use crate::{Outcome, session};
 
 /// Upper limit on the size of a report, in MB.
@@ -18,8 +19,8 @@ pub(super) struct Arguments {
     files: Vec<Utf8PathBuf>,
 
     /// Output format
-    #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
+    #[arg(long, value_enum, default_value_t = TextOrJson::Text)]
+    format: TextOrJson,
 }
 
 /// Merges the reports of parts of the runs.

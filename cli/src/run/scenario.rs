@@ -2,19 +2,19 @@
 
 use camino::Utf8PathBuf;
 use dotgen_runtime::report::RunReport;
-use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::verify::{Interrupt, Options, SystemInput, prepare, settings};
+use dotgen_timing::verify::{Interrupt, Options, settings};
 use dotgen_views::verification::Problem;
 use dotgen_views::verification::runs::Ending;
 use dotgen_views::verification::summary;
 
 use super::recorder::{Files, Recorder};
-use super::{Answer, Arguments, Clock, Contents, Format, Simulate, WrittenFile, bounds, execute};
+use super::{Answer, Arguments, Clock, Contents, Simulate, WrittenFile, bounds, execute};
 use crate::outputs::PERFETTO;
+use crate::report::TextOrJson;
 use crate::session::{self, ErrorReporter, Session};
 use crate::verify::diagnostics::ScenarioDiagnostics;
-use crate::verify::parsed;
+use crate::verify::{parsed, prepared};
 use crate::{Outcome, report, trace};
 
 /// The end of the run of one scenario.
@@ -38,21 +38,15 @@ pub(super) fn one(
         return Ok(Ended::Unusable);
     }
     let options = Options { checks: parsed(checks, &problem)?, ..arguments.system.options() };
-    let input = SystemInput { specs: problem.specs() };
-    let prepared = prepare(&input, &problem.scenario, &options);
-    let has_errors = prepared.report.has_errors();
-    if matches!(arguments.format, Format::Text) || has_errors {
-        let all = together(&prepared.report.diagnostics);
-        ScenarioDiagnostics::by_verifier(session, &problem, &all, checks)?.print()?;
-    }
-    if has_errors {
+    let is_text = arguments.format == TextOrJson::Text;
+    let Some(prepared) = prepared(session, &problem, &options, checks, is_text)? else {
         return Ok(Ended::Unusable);
-    }
+    };
     let source = (arguments.bounds, arguments.clock);
     let (mut bounds, proving) = bounds::at_once(source, &problem, &options, &prepared, interrupt);
     let measured = arguments.clock == Clock::Real && arguments.simulate == Simulate::Missing;
     let untimed = bounds::without_times(&prepared.built.system, &mut bounds, measured);
-    let names = Names::new(&input.specs);
+    let names = Names::new(&problem.specs());
     let paths = Paths::of(arguments);
     let mut files = Files::open(
         paths.log.map(camino::Utf8PathBuf::as_path),

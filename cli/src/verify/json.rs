@@ -1,26 +1,14 @@
 //! `--format json`: the format that `docs/cli.md` documents.
 
-use std::io::Write;
-
 use dotgen_timing::report::{FORMAT, Value};
 use serde_json::{Value as Json, json};
 
-use super::{Answer, session};
+use super::{Answer, outputs, session};
 
 /// One document: an object for one scenario, a list for several.
 pub(super) fn print(answers: &[Answer]) -> anyhow::Result<()> {
-    let mut documents = Vec::new();
-    for answer in answers {
-        documents.push(document(answer)?);
-    }
-    let document = match documents.len() {
-        1 => documents.remove(0),
-        _ => Json::Array(documents),
-    };
-    let mut out = serde_json::to_string_pretty(&document)?;
-    out.push('\n');
-    std::io::stdout().write_all(out.as_bytes())?;
-    Ok(())
+    let documents = answers.iter().map(document).collect::<anyhow::Result<_>>()?;
+    outputs::print_json(&outputs::one_or_all(documents))
 }
 
 fn document(answer: &Answer) -> anyhow::Result<Json> {

@@ -10,8 +10,10 @@ use camino::Utf8Path;
 use dotgen_xta::{Answer, Error, Extreme, Limits, Query, Reason, Trace, Value};
 use serde_json::json;
 
+use super::Arguments;
 use super::interrupt;
-use super::{Arguments, Format};
+use crate::outputs;
+use crate::report::TextOrJson;
 use crate::width::{Table, wrapped};
 use crate::{Outcome, session};
 
@@ -65,11 +67,10 @@ pub(super) fn run(file: &Utf8Path, arguments: &Arguments) -> anyhow::Result<Outc
         answers
     });
     match arguments.format {
-        Format::Text => print(&answers)?,
-        Format::Json => {
+        TextOrJson::Text => print(&answers)?,
+        TextOrJson::Json => {
             let all: Vec<serde_json::Value> = answers.iter().map(to_json).collect();
-            let text = serde_json::to_string_pretty(&json!({ "queries": all }))?;
-            writeln!(std::io::stdout(), "{text}")?;
+            outputs::print_json(&json!({ "queries": all }))?;
         }
     }
     Ok(outcome(&answers))

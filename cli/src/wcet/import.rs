@@ -25,6 +25,7 @@ use num_rational::Ratio;
 
 use self::given::Given;
 use super::{input_files, read_log};
+use crate::report::TextOrJson;
 use crate::session::{Session, display};
 use crate::verify::one_problem;
 use crate::{Outcome, SpecificationOptions, fmt, report};
@@ -68,8 +69,8 @@ pub(super) struct Arguments {
     diff: bool,
 
     /// Output format
-    #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
+    #[arg(long, value_enum, default_value_t = TextOrJson::Text)]
+    format: TextOrJson,
 
     #[command(flatten)]
     reading: SpecificationOptions,
@@ -83,14 +84,6 @@ enum FormName {
     Pragma,
     /// `duration PATH [0,1000] us;` in the scenario, for each state
     Sidecar,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Format {
-    /// For people
-    Text,
-    /// For programs
-    Json,
 }
 
 /// A codel in one of its states.
@@ -136,14 +129,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         "`--as sidecar` writes into a scenario: name one (.scn) that uses the specification"
     );
     let answer = answer(arguments, &mut session, &problem, files.logs)?;
-    if arguments.diff && arguments.format == Format::Text {
+    if arguments.diff && arguments.format == TextOrJson::Text {
         for (path, (old, new)) in &answer.changed {
             fmt::print_diff(&display(path), old, new)?;
         }
     }
     match arguments.format {
-        Format::Json => output::print_json(&answer)?,
-        Format::Text => output::print(&answer, arguments.diff)?,
+        TextOrJson::Json => output::print_json(&answer)?,
+        TextOrJson::Text => output::print(&answer, arguments.diff)?,
     }
     if !arguments.diff {
         let files = answer.changed.iter();

@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use super::read_log;
 use crate::width::Table;
-use crate::{Outcome, report};
+use crate::{Outcome, outputs, report};
 
 /// Print statistics of logs: execution times, cycles, transitions
 ///
@@ -79,7 +79,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         }
         Format::Json => {
             let document = Document { format: 1, groups: &groups, left: &collector.left };
-            serde_json::to_string_pretty(&document)? + "\n"
+            outputs::print_json(&document)?;
+            return Ok(Outcome::Fine);
         }
         Format::Text => return print(&groups, &collector.left),
     };

@@ -16,6 +16,7 @@ use serde_json::{Value, json};
 
 use super::super::stats::{nanos, table, told};
 use super::{Answer, Row};
+use crate::outputs;
 use crate::session::display;
 
 const TITLE: Style = Style::new().bold();
@@ -249,7 +250,5 @@ pub(super) fn print_json(answer: &Answer) -> anyhow::Result<()> {
         "edits": edits.collect::<Vec<_>>(),
         "changed": answer.changed.keys().map(|key| display(key)).collect::<Vec<_>>(),
     });
-    let text = serde_json::to_string_pretty(&document)? + "\n";
-    std::io::stdout().write_all(text.as_bytes())?;
-    Ok(())
+    outputs::print_json(&document)
 }
