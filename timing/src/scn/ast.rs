@@ -215,6 +215,24 @@ pub struct Step {
     pub range: Range<usize>,
 }
 
+impl Step {
+    /// Returns all steps of a list, also those in other steps, in the order of the text.
+    pub fn all(list: &[Step]) -> Vec<&Step> {
+        let mut out = Vec::new();
+        for step in list {
+            out.push(step);
+            match &step.kind {
+                StepKind::Repeat(_, body) => out.extend(Step::all(body)),
+                StepKind::Choice(branches) => {
+                    out.extend(branches.iter().flat_map(|branch| Step::all(branch)));
+                }
+                _ => {}
+            }
+        }
+        out
+    }
+}
+
 /// The outcome of a request that a client awaits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Ending {

@@ -8,7 +8,7 @@ use dotgen_analysis::model::{
 use dotgen_syntax::suggestion::nearest;
 
 use super::ast::{
-    CheckKind, Comparison, Item, Path, Pred, Scenario, Spanned, Step, StepKind, TriggerKind,
+    CheckKind, Client, Comparison, Item, Path, Pred, Scenario, Spanned, Step, StepKind, TriggerKind,
 };
 use crate::diagnostic::Diagnostic;
 
@@ -319,7 +319,7 @@ impl<'a> Names<'a> {
         });
         for item in &scenario.items {
             if let Item::Client(client) = item {
-                aborted_labels(&client.name.value, &client.steps, &mut out);
+                out.extend(aborted_labels(client));
             }
         }
         out.sort_by_key(|reference| reference.range.start);
@@ -336,27 +336,14 @@ fn members(spec: &Spec, ty: TypeId) -> impl Iterator<Item = (&str, TypeId)> {
     members.iter().filter_map(|&member| Some((spec.ty(member).name.as_deref()?, member)))
 }
 
-/// Appends the labels of steps that `abort` names.
-fn aborted_labels(client: &str, list: &[Step], out: &mut Vec<Reference>) {
-    for step in list {
-        match &step.kind {
-            StepKind::Abort(path) => {
-                if let [label] = path.names.as_slice() {
-                    out.push(Reference {
-                        range: label.range.clone(),
-                        target: Target::Step(client.to_owned(), label.value.clone()),
-                    });
-                }
-            }
-            StepKind::Repeat(_, body) => aborted_labels(client, body, out),
-            StepKind::Choice(branches) => {
-                for branch in branches {
-                    aborted_labels(client, branch, out);
-                }
-            }
-            _ => {}
-        }
-    }
+/// Returns the labels of steps that `abort` names.
+fn aborted_labels(client: &Client) -> impl Iterator<Item = Reference> {
+    Step::all(&client.steps).into_iter().filter_map(|step| {
+        let StepKind::Abort(path) = &step.kind else { return None };
+        let [label] = path.names.as_slice() else { return None };
+        let target = Target::Step(client.name.value.clone(), label.value.clone());
+        Some(Reference { range: label.range.clone(), target })
+    })
 }
 
 fn client_references(scenario: &Scenario, path: &Path, out: &mut Vec<Reference>) {
@@ -387,7 +374,7 @@ pub(crate) fn for_each_path<'s>(scenario: &'s Scenario, each: &mut impl FnMut(&'
                 to.iter().for_each(&mut *each);
             }
             Item::Client(client) => {
-                steps(&client.steps, each);
+                Step::all(&client.steps).into_iter().filter_map(path_of).for_each(&mut *each);
                 let components = client.trigger.iter();
                 let components =
                     components.filter(|trigger| trigger.kind != TriggerKind::Violation);
@@ -407,20 +394,15 @@ pub(crate) fn for_each_path<'s>(scenario: &'s Scenario, each: &mut impl FnMut(&'
     }
 }
 
-fn steps<'s>(list: &'s [Step], each: &mut impl FnMut(&'s Path)) {
-    for step in list {
-        match &step.kind {
-            StepKind::Send(path)
-            | StepKind::Abort(path)
-            | StepKind::Kill(path)
-            | StepKind::Connect(path) => each(path),
-            StepKind::AwaitAccepted(path) | StepKind::AwaitEnded(_, path) => {
-                path.iter().for_each(&mut *each);
-            }
-            StepKind::Delay(..) | StepKind::Stop => {}
-            StepKind::Repeat(_, body) => steps(body, each),
-            StepKind::Choice(branches) => branches.iter().for_each(|branch| steps(branch, each)),
-        }
+/// Returns the path of a step.
+fn path_of(step: &Step) -> Option<&Path> {
+    match &step.kind {
+        StepKind::Send(path)
+        | StepKind::Abort(path)
+        | StepKind::Kill(path)
+        | StepKind::Connect(path) => Some(path),
+        StepKind::AwaitAccepted(path) | StepKind::AwaitEnded(_, path) => path.as_ref(),
+        _ => None,
     }
 }
 

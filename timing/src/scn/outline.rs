@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::ast::{CheckKind, Item, Scenario, Step, StepKind};
+use super::ast::{CheckKind, Item, Scenario, Step};
 
 /// An entry of the outline.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -45,8 +45,7 @@ pub fn outline(text: &str, scenario: &Scenario) -> Vec<Entry> {
                 children: Vec::new(),
             }),
             Item::Client(client) => {
-                let mut steps = Vec::new();
-                labelled(&client.steps, &mut steps);
+                let steps = Step::all(&client.steps).into_iter().filter_map(labelled).collect();
                 let end = client.steps.last().map_or(0, |step| step.range.end);
                 let name = client.name.range.clone();
                 children.push(Entry {
@@ -83,23 +82,16 @@ pub fn outline(text: &str, scenario: &Scenario) -> Vec<Entry> {
     }]
 }
 
-fn labelled(steps: &[Step], out: &mut Vec<Entry>) {
-    for step in steps {
-        if let Some(label) = &step.label {
-            out.push(Entry {
-                name: label.value.clone(),
-                kind: EntryKind::Step,
-                range: step.range.clone(),
-                selection: label.range.clone(),
-                children: Vec::new(),
-            });
-        }
-        match &step.kind {
-            StepKind::Repeat(_, body) => labelled(body, out),
-            StepKind::Choice(branches) => branches.iter().for_each(|branch| labelled(branch, out)),
-            _ => {}
-        }
-    }
+/// Returns the entry of a step with a label.
+fn labelled(step: &Step) -> Option<Entry> {
+    let label = step.label.as_ref()?;
+    Some(Entry {
+        name: label.value.clone(),
+        kind: EntryKind::Step,
+        range: step.range.clone(),
+        selection: label.range.clone(),
+        children: Vec::new(),
+    })
 }
 
 /// Returns true if a check is about all tasks.

@@ -38,12 +38,10 @@ pub(crate) fn compile(
     resolve: &dyn Resolve,
     ticks: &dyn Fn(u64, Unit) -> Ticks,
 ) -> Result<Client, Diagnostic> {
-    let mut labels = Vec::new();
-    labelled(&client.steps, &mut labels);
     let mut program = Program {
         steps: Vec::new(),
         trackers: Vec::new(),
-        labels,
+        labels: labelled(&client.steps).collect(),
         resolve,
         ticks,
         loops: 0,
@@ -88,20 +86,12 @@ fn finish_list(next: &mut Vec<usize>, done: usize) {
 /// Placeholder for the position after the last step, until it is known.
 const DONE: usize = usize::MAX;
 
-/// Appends the labels of requests, each with the requested path.
-pub(crate) fn labelled<'s>(steps: &'s [Step], out: &mut Vec<(&'s str, &'s Path)>) {
-    for step in steps {
-        match (&step.label, &step.kind) {
-            (Some(label), StepKind::Send(path)) => out.push((&label.value, path)),
-            (_, StepKind::Repeat(_, body)) => labelled(body, out),
-            (_, StepKind::Choice(branches)) => {
-                for branch in branches {
-                    labelled(branch, out);
-                }
-            }
-            _ => {}
-        }
-    }
+/// Returns the labels of requests, each with the requested path.
+pub(crate) fn labelled(steps: &[Step]) -> impl Iterator<Item = (&str, &Path)> {
+    Step::all(steps).into_iter().filter_map(|step| match (&step.label, &step.kind) {
+        (Some(label), StepKind::Send(path)) => Some((&*label.value, path)),
+        _ => None,
+    })
 }
 
 struct Program<'p> {
@@ -120,20 +110,10 @@ struct Program<'p> {
 impl Program<'_> {
     /// Collects all requests to follow: requests whose end is awaited, instances that are aborted.
     fn followed(&mut self, steps: &[Step]) -> Result<(), Diagnostic> {
-        for step in steps {
+        for step in Step::all(steps) {
             let request = match &step.kind {
                 StepKind::AwaitEnded(_, path) => self.awaited(path.as_ref())?,
                 StepKind::Abort(path) if !self.interrupts(path) => self.aborted(path)?,
-                StepKind::Repeat(_, body) => {
-                    self.followed(body)?;
-                    continue;
-                }
-                StepKind::Choice(branches) => {
-                    for branch in branches {
-                        self.followed(branch)?;
-                    }
-                    continue;
-                }
                 _ => continue,
             };
             if !self.trackers.contains(&request) {

@@ -1,5 +1,7 @@
 //! Proposals for paths: whole ones, or one name of a predicate's path at a time.
 
+use std::collections::BTreeSet;
+
 use dotgen_analysis::model::PortDir;
 
 use super::{Completion, CompletionKind, Finder, PathKind, word};
@@ -158,14 +160,10 @@ impl<'f> Finder<'f> {
                 self.push((*status).to_owned(), &Target::Status((*status).to_owned()));
             }
         } else if let [name] = path.names.as_slice() {
-            let mut labels = Vec::new();
             let client = self.clients().find(|client| client.name.value == name.value);
-            if let Some(client) = client {
-                steps(&client.steps, &mut labels);
-            }
-            for label in labels {
-                let target = Target::Step(name.value.clone(), label.clone());
-                self.push(label, &target);
+            for label in client.into_iter().flat_map(|client| steps(&client.steps)) {
+                let target = Target::Step(name.value.clone(), label.to_owned());
+                self.push(label.to_owned(), &target);
             }
         }
         true
@@ -189,21 +187,11 @@ fn statuses(target: Option<&Target>) -> &'static [&'static str] {
     }
 }
 
-pub(super) fn steps(list: &[Step], out: &mut Vec<String>) {
-    for step in list {
-        match (&step.label, &step.kind) {
-            (Some(label), _) => out.push(label.value.clone()),
-            (None, StepKind::Send(path)) => {
-                out.extend(path.names.last().map(|name| name.value.clone()));
-            }
-            _ => {}
-        }
-        match &step.kind {
-            StepKind::Repeat(_, body) => steps(body, out),
-            StepKind::Choice(branches) => branches.iter().for_each(|branch| steps(branch, out)),
-            _ => {}
-        }
-    }
-    out.sort();
-    out.dedup();
+fn steps(list: &[Step]) -> BTreeSet<&str> {
+    let names = Step::all(list).into_iter().filter_map(|step| match (&step.label, &step.kind) {
+        (Some(label), _) => Some(&*label.value),
+        (None, StepKind::Send(path)) => path.names.last().map(|name| &*name.value),
+        _ => None,
+    });
+    names.collect()
 }

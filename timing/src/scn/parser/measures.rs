@@ -66,22 +66,10 @@ impl Parser<'_> {
 
     /// Reports steps that end a run where they may not stand.
     pub(super) fn refuse_stops(&mut self, steps: &[Step]) {
-        for step in steps {
-            match &step.kind {
-                StepKind::Stop => {
-                    let message =
-                        "`stop;` ends the run; it may only be the last step of `on … { … }`";
-                    let range = step.range.clone();
-                    self.errors.push(Diagnostic::error("scn-stop", range, message.to_owned()));
-                }
-                StepKind::Repeat(_, body) => self.refuse_stops(body),
-                StepKind::Choice(branches) => {
-                    for branch in branches {
-                        self.refuse_stops(branch);
-                    }
-                }
-                _ => {}
-            }
+        for step in Step::all(steps).iter().filter(|step| step.kind == StepKind::Stop) {
+            let message = "`stop;` ends the run; it may only be the last step of `on … { … }`";
+            let range = step.range.clone();
+            self.errors.push(Diagnostic::error("scn-stop", range, message.to_owned()));
         }
     }
 }
@@ -90,26 +78,16 @@ impl Parser<'_> {
 /// its steps are done.
 fn duration(name: &str, steps: &[Step], bound: Bound) -> CheckKind {
     let of_measure = |label: &str| Pred::Atom(Path::of(&format!("{name}.{label}")));
-    let mut aborted = Vec::new();
-    collect(steps, &mut aborted);
     let mut ends: Vec<Pred> = Vec::new();
-    for activity in aborted {
+    for step in Step::all(steps) {
+        let StepKind::Abort(activity) = &step.kind else { continue };
+        if activity.names.len() <= 1 {
+            continue;
+        }
         let after = of_measure(&format!("{}{}", Trigger::AFTER, Trigger::abort_label(activity)));
         let void = Pred::Atom(Path::of(&format!("{}.void", activity.text())));
         ends.push(Pred::And(Box::new(after), Box::new(void)));
     }
     ends.push(Pred::Atom(Path::of(name)));
     CheckKind::Within(of_measure(Trigger::BEGUN), ends, bound)
-}
-
-/// Appends the activities that a measure interrupts.
-fn collect<'s>(steps: &'s [Step], out: &mut Vec<&'s Path>) {
-    for step in steps {
-        match &step.kind {
-            StepKind::Abort(path) if path.names.len() > 1 => out.push(path),
-            StepKind::Repeat(_, body) => collect(body, out),
-            StepKind::Choice(branches) => branches.iter().for_each(|branch| collect(branch, out)),
-            _ => {}
-        }
-    }
 }

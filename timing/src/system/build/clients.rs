@@ -8,7 +8,7 @@ use typed_index_collections::{TiSlice, ti_vec};
 use super::Builder;
 use crate::diagnostic::Diagnostic;
 use crate::diagnostic::remark::Remark;
-use crate::scn::ast::{self, Ending, Path, StepKind, TriggerKind, Unit};
+use crate::scn::ast::{self, Ending, Path, Step, StepKind, TriggerKind, Unit};
 use crate::scn::names::Target;
 use crate::system::indexed::{Measure, MeasureEvent, not_a};
 use crate::system::{
@@ -18,11 +18,7 @@ use crate::system::{
 
 impl Builder<'_> {
     pub(super) fn find_requested(&mut self) {
-        let mut paths = Vec::new();
-        for client in &self.settings.clients {
-            sends(&client.steps, &mut paths);
-        }
-        for path in paths {
+        for path in self.settings.clients.iter().flat_map(sends) {
             match self.service(path) {
                 Ok(service) => self.requested.push(service),
                 Err(error) => self.report(error),
@@ -30,31 +26,21 @@ impl Builder<'_> {
         }
         if self.settings.semantics().is_published() {
             for client in &self.settings.clients {
-                self.only_of_servers(&client.steps);
+                self.only_of_servers(client);
             }
         }
     }
 
     /// Reports steps that the published models do not have: requests that every component accepts, and
     /// outcomes of requests.
-    fn only_of_servers(&mut self, steps: &[ast::Step]) {
-        for step in steps {
+    fn only_of_servers(&mut self, client: &ast::Client) {
+        for step in Step::all(&client.steps) {
             let what = match &step.kind {
                 StepKind::Abort(_) => "abort",
                 StepKind::Kill(_) => "kill",
                 StepKind::Connect(_) => "connect",
                 StepKind::AwaitEnded(Ending::Ok, _) => "await ended ok",
                 StepKind::AwaitEnded(Ending::Failed, _) => "await ended failed",
-                StepKind::Repeat(_, body) => {
-                    self.only_of_servers(body);
-                    continue;
-                }
-                StepKind::Choice(branches) => {
-                    for branch in branches {
-                        self.only_of_servers(branch);
-                    }
-                    continue;
-                }
                 _ => continue,
             };
             let message = format!(
@@ -68,7 +54,7 @@ impl Builder<'_> {
     fn builtins(&mut self) {
         let mut found: Vec<(ComponentId, Builtin, Vec<ServiceId>)> = Vec::new();
         for client in &self.settings.clients {
-            builtins(client, &client.steps, &mut |path, which| {
+            builtins(client, &mut |path, which| {
                 // A path that names no component is reported when the client is compiled.
                 let Some(c) = self.component_of(path) else { return };
                 let Some(&number) = self.out.components.get(&c) else { return };
@@ -151,9 +137,8 @@ impl Builder<'_> {
             units::ticks(time, unit).unwrap_or(FOREVER / 8)
         };
         for client in &self.settings.clients {
-            let mut paths = Vec::new();
-            sends(&client.steps, &mut paths);
-            builtins(client, &client.steps, &mut |path, _| paths.push(path));
+            let mut paths: Vec<&Path> = sends(client).collect();
+            builtins(client, &mut |path, _| paths.push(path));
             let here = paths.iter().any(|path| {
                 self.component_of(path)
                     .is_some_and(|component| self.out.components.contains_key(&component))
@@ -249,12 +234,8 @@ impl Builder<'_> {
         {
             can[new] = true;
         }
-        let mut paths = Vec::new();
-        for client in &self.settings.clients {
-            sends(&client.steps, &mut paths);
-        }
         let mut found: Vec<(ServiceId, &Path)> = Vec::new();
-        for path in paths {
+        for path in self.settings.clients.iter().flat_map(sends) {
             let service = program::Resolve::service(self, path).ok();
             // The requests of a client with an error are not known.
             if let Some(service) = service.filter(|&service| requested[service] && !can[service])
@@ -321,18 +302,13 @@ impl program::Resolve for Builder<'_> {
 
 /// Calls `each` with the path of every request that all components accept. For a label, the path is that of
 /// the labelled request.
-fn builtins<'s>(
-    client: &'s ast::Client,
-    steps: &'s [ast::Step],
-    each: &mut impl FnMut(&'s Path, Builtin),
-) {
-    for step in steps {
+fn builtins<'s>(client: &'s ast::Client, each: &mut impl FnMut(&'s Path, Builtin)) {
+    for step in Step::all(&client.steps) {
         match &step.kind {
             StepKind::Abort(path) => match path.names.as_slice() {
                 [label] => {
-                    let mut labels = Vec::new();
-                    program::labelled(&client.steps, &mut labels);
-                    let requests = labels.iter().filter(|other| other.0 == label.value);
+                    let labels = program::labelled(&client.steps);
+                    let requests = labels.filter(|other| other.0 == label.value);
                     requests.for_each(|request| each(request.1, Builtin::Abort));
                 }
                 _ if client.trigger.is_some() => each(path, Builtin::Interrupt),
@@ -340,25 +316,15 @@ fn builtins<'s>(
             },
             StepKind::Kill(path) => each(path, Builtin::Kill),
             StepKind::Connect(path) => each(path, Builtin::Connect),
-            StepKind::Repeat(_, body) => builtins(client, body, each),
-            StepKind::Choice(branches) => {
-                for branch in branches {
-                    builtins(client, branch, each);
-                }
-            }
             _ => {}
         }
     }
 }
 
-/// Appends the paths of all requests.
-fn sends<'s>(steps: &'s [ast::Step], out: &mut Vec<&'s Path>) {
-    for step in steps {
-        match &step.kind {
-            StepKind::Send(path) => out.push(path),
-            StepKind::Repeat(_, body) => sends(body, out),
-            StepKind::Choice(branches) => branches.iter().for_each(|branch| sends(branch, out)),
-            _ => {}
-        }
-    }
+/// Returns the paths of all requests.
+fn sends(client: &ast::Client) -> impl Iterator<Item = &Path> {
+    Step::all(&client.steps).into_iter().filter_map(|step| match &step.kind {
+        StepKind::Send(path) => Some(path),
+        _ => None,
+    })
 }

@@ -8,7 +8,7 @@ use num_rational::Ratio;
 
 use super::Builder;
 use crate::diagnostic::{Diagnostic, Place};
-use crate::scn::ast::{self, Durations, StepKind};
+use crate::scn::ast::{self, Durations, Step, StepKind};
 use crate::scn::names::Target;
 use crate::system::indexed::Rounded;
 use crate::system::{FOREVER, Ticks, units};
@@ -80,9 +80,7 @@ impl<'b> Builder<'b> {
                 times.extend(b);
             }
         }
-        for client in &self.settings.clients {
-            delays(&client.steps, &mut times);
-        }
+        times.extend(self.settings.clients.iter().flat_map(delays));
         self.out.system.unit = units::base_unit(times);
     }
 
@@ -262,18 +260,12 @@ impl<'b> Builder<'b> {
     }
 }
 
-fn delays(steps: &[ast::Step], out: &mut Vec<Seconds>) {
-    for step in steps {
-        match &step.kind {
-            StepKind::Delay(interval, unit) => {
-                let seconds =
-                    |number: u64| unit.seconds() * Ratio::from_integer(i128::from(number));
-                out.push(seconds(interval.lower));
-                out.extend(interval.upper.map(seconds));
-            }
-            StepKind::Repeat(_, body) => delays(body, out),
-            StepKind::Choice(branches) => branches.iter().for_each(|branch| delays(branch, out)),
-            _ => {}
-        }
-    }
+/// Returns the times for which a client waits.
+fn delays(client: &ast::Client) -> impl Iterator<Item = Seconds> {
+    Step::all(&client.steps).into_iter().flat_map(|step| {
+        let StepKind::Delay(interval, unit) = &step.kind else { return Vec::new() };
+        let ends = [Some(interval.lower), interval.upper];
+        let seconds = |number: u64| unit.seconds() * Ratio::from_integer(i128::from(number));
+        ends.into_iter().flatten().map(seconds).collect()
+    })
 }
