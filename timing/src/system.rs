@@ -26,6 +26,7 @@ use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
 use crate::scn::semantics::Semantics;
 
+pub use crate::scn::semantics::Policy;
 pub use ids::{AutomatonId, ClientId, CodelId, ComponentId, MachineId, ServiceId, TaskId};
 pub use locks::{SharedPorts, sources};
 pub use loops::{loop_contradictions, pauseless_cycles, unfolded};
@@ -73,22 +74,6 @@ pub struct Platform {
     pub async_free: bool,
     /// Aperiodic tasks need a core.
     pub aperiodic_core: bool,
-}
-
-/// Order in which cores are granted (section 9).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Policy {
-    /// In order of release.
-    Fifo,
-    /// Earliest absolute deadline first, ties in order of release; never preempting.
-    Edf,
-    /// Any waiting task.
-    Any,
-    /// The ready tasks of highest priority, preempting others.
-    Priority,
-    /// Any ready tasks, preempting others, as long as no core idles.
-    Fair,
 }
 
 /// A component. Its tasks are started one after the other.

@@ -79,16 +79,10 @@ pub enum Change {
     /// The order in which cores are granted.
     Policy {
         /// Present policy.
-        #[serde(serialize_with = "by_name")]
         now: Policy,
         /// Policy with which the checks hold.
-        #[serde(serialize_with = "by_name")]
         needed: Policy,
     },
-}
-
-fn by_name<S: serde::Serializer>(policy: &Policy, to: S) -> Result<S::Ok, S::Error> {
-    to.serialize_str(policy.name())
 }
 
 impl Change {

@@ -2,6 +2,7 @@
 
 use std::ops::{Range, RangeInclusive};
 
+pub use super::semantics::{Durations, Policy};
 use super::semantics::{LockRule, PauseRule, PortRule, Preset, TickRule, TurnRule};
 use super::times::TimesFile;
 
@@ -37,67 +38,6 @@ impl Scenario {
             Item::Client(client) => client.trigger.as_ref().map(|trigger| &trigger.check),
             _ => None,
         })
-    }
-}
-
-/// `durations`
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Durations {
-    /// From 0 to the worst case, both included.
-    #[default]
-    Interval,
-    /// Always the worst case.
-    Fixed,
-    /// More than 0, up to the worst case.
-    Open,
-}
-
-/// `policy`
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Policy {
-    /// In order of release.
-    #[default]
-    Fifo,
-    /// Earliest deadline first.
-    Edf,
-    /// Any waiting task.
-    Any,
-    /// The ready tasks of highest priority, preempting others.
-    Priority,
-    /// Any ready tasks, preempting others, as long as no core idles.
-    Fair,
-}
-
-impl Policy {
-    /// All policies, with their words.
-    pub const ALL: &[(&str, Policy)] = &[
-        ("fifo", Policy::Fifo),
-        ("edf", Policy::Edf),
-        ("any", Policy::Any),
-        ("priority", Policy::Priority),
-        ("fair", Policy::Fair),
-    ];
-
-    /// Returns the policy as scenarios write it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Policy::Fifo => "fifo",
-            Policy::Edf => "edf",
-            Policy::Any => "any",
-            Policy::Priority => "priority",
-            Policy::Fair => "fair",
-        }
-    }
-}
-
-impl Durations {
-    /// Returns the durations as scenarios write them.
-    pub fn name(self) -> &'static str {
-        match self {
-            Durations::Interval => "interval",
-            Durations::Fixed => "fixed",
-            Durations::Open => "open",
-        }
     }
 }
 

@@ -5,7 +5,7 @@ mod paths;
 
 use std::ops::Range;
 
-use super::ast::{Item, Policy, Scenario};
+use super::ast::{Durations, Item, Policy, Scenario};
 use super::lexer::{Kind, Token, lex};
 use super::names::{Names, Target};
 use super::parser::{CHECKS, ITEMS, STEPS, TRIGGERS};
@@ -204,7 +204,7 @@ impl Finder<'_> {
             "affinity" => {
                 self.path(PathKind::Task, rest);
             }
-            "durations" if !begun => self.words(&["interval", "fixed", "open"]),
+            "durations" if !begun => self.rules(Durations::ALL),
             "locks" if !begun => self.rules(LockRule::ALL),
             "async" if !begun => self.words(&["held", "free"]),
             "aperiodic" if !begun => self.words(&["core", "free"]),

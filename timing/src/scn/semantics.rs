@@ -1,7 +1,7 @@
 //! The semantics of the model: the servers that run on robots, or the published formal models, as a whole or
 //! point by point (section 21 of the timed semantics).
 
-/// Declares the rules of one point, each with its word.
+/// Declares the rules of one point, or of another choice of a scenario, each with its word.
 macro_rules! point {
     ($(#[$doc:meta])* $name:ident { $($(#[$of:meta])* $rule:ident = $word:literal,)* }) => {
         $(#[$doc])*
@@ -79,6 +79,39 @@ point! {
         Events = "events",
         /// The next cycle.
         Turns = "turns",
+    }
+}
+
+point! {
+    /// `durations`: the interpretation of execution times.
+    #[derive(Default)]
+    Durations {
+        /// From 0 to the worst case, both included.
+        #[default]
+        Interval = "interval",
+        /// Always the worst case.
+        Fixed = "fixed",
+        /// More than 0, up to the worst case.
+        Open = "open",
+    }
+}
+
+point! {
+    /// `policy`: the order in which cores are granted (section 9).
+    #[derive(Default, serde::Serialize)]
+    #[serde(rename_all = "lowercase")]
+    Policy {
+        /// In order of release.
+        #[default]
+        Fifo = "fifo",
+        /// Earliest absolute deadline first, ties in order of release; never preempting.
+        Edf = "edf",
+        /// Any waiting task.
+        Any = "any",
+        /// The ready tasks of highest priority, preempting others.
+        Priority = "priority",
+        /// Any ready tasks, preempting others, as long as no core idles.
+        Fair = "fair",
     }
 }
 

@@ -20,9 +20,8 @@ use typed_index_collections::TiVec;
 use super::indexed::Built;
 use super::locks::exclude_codels;
 use super::settings::Settings;
-use super::{CodelId, MachineId, Platform, Policy, TimedSystem};
+use super::{CodelId, MachineId, Platform, TimedSystem};
 use crate::diagnostic::{Diagnostic, Place};
-use crate::scn::ast;
 use crate::scn::names::Names;
 
 /// Builds the system of the components for which `include` returns true, with the clients that address these
@@ -63,13 +62,7 @@ fn build_with(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> boo
                 clients: TiVec::new(),
                 platform: Platform {
                     cores: settings.cores,
-                    policy: match settings.policy() {
-                        ast::Policy::Fifo => Policy::Fifo,
-                        ast::Policy::Edf => Policy::Edf,
-                        ast::Policy::Any => Policy::Any,
-                        ast::Policy::Priority => Policy::Priority,
-                        ast::Policy::Fair => Policy::Fair,
-                    },
+                    policy: settings.policy(),
                     semantics: settings.semantics(),
                     async_free: settings.async_free,
                     aperiodic_core: settings.aperiodic_core,

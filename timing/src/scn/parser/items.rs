@@ -147,11 +147,7 @@ impl Parser<'_> {
                 Item::Exceptions(on, self.optional_path()?)
             }
             "order" => Item::Order(self.choose(&[("on", true), ("off", false)])?),
-            "durations" => Item::Durations(self.choose(&[
-                ("interval", Durations::Interval),
-                ("fixed", Durations::Fixed),
-                ("open", Durations::Open),
-            ])?),
+            "durations" => Item::Durations(self.choose(Durations::ALL)?),
             "duration" => {
                 let path = self.path()?;
                 let interval = self.interval()?;
