@@ -22,8 +22,10 @@ macro_rules! point {
 
 point! {
     /// `semantics`
+    #[derive(Default)]
     Preset {
         /// The servers that run on robots.
+        #[default]
         Servers = "servers",
         /// The published formal models.
         Published = "published",

@@ -65,7 +65,7 @@ fn build_with(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> boo
                     policy: settings.policy(),
                     semantics: settings.semantics(),
                     async_free: settings.async_free,
-                    aperiodic_core: settings.aperiodic_core,
+                    aperiodic_core: !settings.aperiodic_free,
                 },
             },
             tasks: HashMap::new(),
@@ -139,7 +139,7 @@ fn given_times(settings: &Settings) -> HashMap<(Option<usize>, &str), (Seconds, 
 /// The code of a time that is too long for the base unit.
 const TOO_LONG: &str = "scn-time-range";
 
-struct Builder<'b> {
+pub(super) struct Builder<'b> {
     names: &'b Names<'b>,
     settings: &'b Settings,
     /// Overridden durations by component, owner, index of the codel and state.

@@ -1,5 +1,6 @@
 //! Clients as graphs of steps.
 
+use super::build::Builder;
 use super::{Builtin, Client, ClientAction, ClientStep, FOREVER, Ticks};
 use crate::diagnostic::Diagnostic;
 use crate::scn::ast::{self, Ending, Interval, Path, Step, StepKind, Trigger, Unit};
@@ -7,17 +8,6 @@ use crate::system::ServiceId;
 
 /// Upper limit on the number of steps.
 const STEPS: usize = 20_000;
-
-/// Resolution of paths.
-pub(crate) trait Resolve {
-    fn service(&self, path: &Path) -> Result<ServiceId, Diagnostic>;
-
-    fn activity(&self, path: &Path) -> Result<ServiceId, Diagnostic>;
-
-    /// Returns the service of a request that every component accepts. The first name of the path is the
-    /// component.
-    fn builtin(&self, path: &Path, which: Builtin) -> Result<ServiceId, Diagnostic>;
-}
 
 /// The request that a tracker follows.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -35,14 +25,14 @@ enum TrackedRequest {
 /// Compiles a client. `ticks` converts its times to base units.
 pub(crate) fn compile(
     client: &ast::Client,
-    resolve: &dyn Resolve,
+    builder: &Builder<'_>,
     ticks: &dyn Fn(u64, Unit) -> Ticks,
 ) -> Result<Client, Diagnostic> {
     let mut program = Program {
         steps: Vec::new(),
         trackers: Vec::new(),
         labels: labelled(&client.steps).collect(),
-        resolve,
+        builder,
         ticks,
         loops: 0,
         is_measure: client.trigger.is_some(),
@@ -99,7 +89,7 @@ struct Program<'p> {
     trackers: Vec<TrackedRequest>,
     /// Labels of requests, each with the requested path.
     labels: Vec<(&'p str, &'p Path)>,
-    resolve: &'p dyn Resolve,
+    builder: &'p Builder<'p>,
     ticks: &'p dyn Fn(u64, Unit) -> Ticks,
     /// Number of loops so far. Each has a number below [`DONE`] as a placeholder for its beginning.
     loops: usize,
@@ -131,7 +121,7 @@ impl Program<'_> {
     fn awaited(&self, path: Option<&Path>) -> Result<TrackedRequest, Diagnostic> {
         Ok(match path {
             None => TrackedRequest::Last,
-            Some(path) => TrackedRequest::Service(self.resolve.service(path)?),
+            Some(path) => TrackedRequest::Service(self.builder.service(path)?),
         })
     }
 
@@ -148,11 +138,11 @@ impl Program<'_> {
                 return Err(Diagnostic::error("scn-abort", name.range.clone(), message));
             }
             for &(_, requested) in requests {
-                self.resolve.activity(requested)?;
+                self.builder.activity(requested)?;
             }
             return Ok(TrackedRequest::Labelled(name.value.clone()));
         }
-        Ok(TrackedRequest::Accepted(self.resolve.activity(path)?))
+        Ok(TrackedRequest::Accepted(self.builder.activity(path)?))
     }
 
     fn tracker(&self, of: &TrackedRequest) -> usize {
@@ -199,14 +189,14 @@ impl Program<'_> {
         let label = step.label.as_ref().map(|label| label.value.clone());
         let action = match &step.kind {
             StepKind::Send(path) => {
-                let service = self.resolve.service(path)?;
+                let service = self.builder.service(path)?;
                 let name = path.names.last().map(|name| name.value.clone());
                 let action = self.request(service, label.as_deref(), None);
                 return Ok(vec![self.push(action, next, label.or(name))]);
             }
             StepKind::Stop => return Ok(next),
             StepKind::Abort(path) if self.interrupts(path) => {
-                let service = self.resolve.builtin(path, Builtin::Interrupt)?;
+                let service = self.builder.builtin(path, Builtin::Interrupt)?;
                 let action = self.request(service, None, None);
                 return Ok(vec![self.push(action, next, Some(Trigger::abort_label(path)))]);
             }
@@ -219,20 +209,20 @@ impl Program<'_> {
                         .map_or(path, |label| label.1),
                     _ => path,
                 };
-                let service = self.resolve.builtin(of, Builtin::Abort)?;
+                let service = self.builder.builtin(of, Builtin::Abort)?;
                 self.request(service, None, Some(tracker))
             }
             StepKind::Kill(path) => {
-                let service = self.resolve.builtin(path, Builtin::Kill)?;
+                let service = self.builder.builtin(path, Builtin::Kill)?;
                 self.request(service, None, None)
             }
             StepKind::Connect(path) => {
-                let service = self.resolve.builtin(path, Builtin::Connect)?;
+                let service = self.builder.builtin(path, Builtin::Connect)?;
                 self.request(service, None, None)
             }
             StepKind::AwaitAccepted(path) => {
                 if let Some(path) = path {
-                    self.resolve.service(path)?;
+                    self.builder.service(path)?;
                 }
                 ClientAction::AwaitAccepted
             }

@@ -10,7 +10,7 @@ use crate::scn::times::TimesFile;
 use crate::system::CodelName;
 
 /// The settings of a scenario, with the options that override it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Settings {
     /// Name of the scenario.
     pub name: String,
@@ -44,8 +44,8 @@ pub struct Settings {
     pub idle: Vec<(bool, Option<Path>)>,
     /// Asynchronous codels need no core.
     pub async_free: bool,
-    /// Aperiodic tasks need a core.
-    pub aperiodic_core: bool,
+    /// Aperiodic tasks need no core.
+    pub aperiodic_free: bool,
     /// Connections of ports.
     pub connect: Vec<(Path, Option<Path>)>,
     /// Numbers of slots.
@@ -67,30 +67,9 @@ impl Settings {
     pub fn new(scenario: &Scenario) -> Self {
         let mut out = Settings {
             name: scenario.name.clone(),
-            unit: None,
-            rounds: false,
-            cores: None,
-            preset: Preset::Servers,
-            points: Points::default(),
-            stated_policy: None,
-            affinity: Vec::new(),
-            exceptions: Vec::new(),
-            stated_order: None,
-            durations: Durations::default(),
-            duration: Vec::new(),
             times: scenario.times.clone(),
-            loops: Vec::new(),
-            idle: Vec::new(),
-            async_free: false,
-            aperiodic_core: true,
-            connect: Vec::new(),
-            slots: Vec::new(),
-            clients: Vec::new(),
             checks: scenario.checks().cloned().collect(),
-            upper_bound: None,
-            period: None,
-            delay: None,
-            apart: None,
+            ..Settings::default()
         };
         for item in &scenario.items {
             match item.clone() {
@@ -112,7 +91,7 @@ impl Settings {
                 Item::Loop(limit, path, range) => out.loops.push((limit, path, range)),
                 Item::Idle(keep, path) => out.idle.push((keep, path)),
                 Item::AsyncFree(free) => out.async_free = free,
-                Item::AperiodicCore(core) => out.aperiodic_core = core,
+                Item::AperiodicCore(core) => out.aperiodic_free = !core,
                 Item::Connect(from, to) => out.connect.push((from, to)),
                 Item::Slots(path, count) => out.slots.push((path, count)),
                 Item::Client(client) => out.clients.push(client),

@@ -19,7 +19,7 @@ use crate::system::{
 impl Builder<'_> {
     pub(super) fn find_requested(&mut self) {
         for path in self.settings.clients.iter().flat_map(sends) {
-            match self.service(path) {
+            match self.named_service(path) {
                 Ok(service) => self.requested.push(service),
                 Err(error) => self.report(error),
             }
@@ -59,9 +59,7 @@ impl Builder<'_> {
                 let Some(c) = self.component_of(path) else { return };
                 let Some(&number) = self.out.components.get(&c) else { return };
                 let interrupts = match which {
-                    Builtin::Interrupt => {
-                        program::Resolve::activity(self, path).into_iter().collect()
-                    }
+                    Builtin::Interrupt => self.activity(path).into_iter().collect(),
                     _ => Vec::new(),
                 };
                 let new = (number, which, interrupts);
@@ -71,11 +69,11 @@ impl Builder<'_> {
             });
         }
         for (number, which, interrupts) in found {
-            self.builtin(number, which, interrupts);
+            self.add_builtin(number, which, interrupts);
         }
     }
 
-    fn builtin(&mut self, number: ComponentId, which: Builtin, interrupts: Vec<ServiceId>) {
+    fn add_builtin(&mut self, number: ComponentId, which: Builtin, interrupts: Vec<ServiceId>) {
         let system = &mut self.out.system;
         let component = system.components[number].name.clone();
         let mut simple = Vec::new();
@@ -146,7 +144,7 @@ impl Builder<'_> {
             if !here && !paths.is_empty() {
                 continue;
             }
-            let compiled: Result<Client, Diagnostic> = program::compile(client, &*self, &ticks);
+            let compiled: Result<Client, Diagnostic> = program::compile(client, self, &ticks);
             match compiled {
                 Ok(compiled) => {
                     let id = self.out.system.clients.push_and_get_key(compiled);
@@ -236,7 +234,7 @@ impl Builder<'_> {
         }
         let mut found: Vec<(ServiceId, &Path)> = Vec::new();
         for path in self.settings.clients.iter().flat_map(sends) {
-            let service = program::Resolve::service(self, path).ok();
+            let service = self.service(path).ok();
             // The requests of a client with an error are not known.
             if let Some(service) = service.filter(|&service| requested[service] && !can[service])
                 && found.iter().all(|other| other.0 != service)
@@ -255,35 +253,39 @@ impl Builder<'_> {
         }
     }
 
-    fn service(&self, path: &Path) -> Result<(usize, u32), Diagnostic> {
+    fn named_service(&self, path: &Path) -> Result<(usize, u32), Diagnostic> {
         match self.names.resolve(path)? {
             Target::Service(c, s) => Ok((c, s)),
             _ => Err(not_a("service", path)),
         }
     }
-}
 
-impl program::Resolve for Builder<'_> {
-    fn service(&self, path: &Path) -> Result<ServiceId, Diagnostic> {
-        let service = Builder::service(self, path)?;
+    pub(in crate::system) fn service(&self, path: &Path) -> Result<ServiceId, Diagnostic> {
+        let service = self.named_service(path)?;
         let found = self.out.services.get(&service).copied();
         found.ok_or_else(|| not_a("service", path))
     }
 
-    fn activity(&self, path: &Path) -> Result<ServiceId, Diagnostic> {
-        let (c, s) = Builder::service(self, path)?;
+    pub(in crate::system) fn activity(&self, path: &Path) -> Result<ServiceId, Diagnostic> {
+        let (c, s) = self.named_service(path)?;
         if !self.names.is_activity(c, s) {
             return Err(not_a("activity", path));
         }
-        program::Resolve::service(self, path)
+        self.service(path)
     }
 
-    fn builtin(&self, path: &Path, which: Builtin) -> Result<ServiceId, Diagnostic> {
+    /// Returns the service of a request that every component accepts. The first name of the path is the
+    /// component.
+    pub(in crate::system) fn builtin(
+        &self,
+        path: &Path,
+        which: Builtin,
+    ) -> Result<ServiceId, Diagnostic> {
         // An abort names an activity of the component; the other requests name the component alone.
         let of_activity = matches!(which, Builtin::Abort | Builtin::Interrupt);
         let alone = of_activity || path.names.len() == 1;
         let interrupts = match which {
-            Builtin::Interrupt => Some(program::Resolve::activity(self, path)?),
+            Builtin::Interrupt => Some(self.activity(path)?),
             _ => None,
         };
         let number = (self.component_of(path).filter(|_| alone))
