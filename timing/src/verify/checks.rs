@@ -135,80 +135,35 @@ pub(super) fn expand<'c>(
             continue;
         }
         let mut push = |what, components| out.push(Single { check, written, what, components });
-        let mut preds = |list: &[&Pred]| -> Vec<usize> {
-            let mut components = Vec::new();
-            let negated = matches!(check.kind, CheckKind::Always(_));
-            let leaves = matches!(check.kind, CheckKind::Pattern(_));
-            for pred in list {
-                match resolve::resolve(names, whole, pred) {
-                    Ok(predicate) if predicate.needs_no_moment(negated, leaves) => {
-                        diagnostics.push(Diagnostic::error(
-                            "scn-wrong-status",
-                            check.range.clone(),
-                            MOMENT_IS_OVER.to_owned(),
-                        ));
-                    }
-                    Ok(_) => {}
-                    Err(error) => diagnostics.push(error),
-                }
-                resolve::components_of(names, whole, pred, &mut components);
+        let mut of_tasks = |path, is_periodic, what: &dyn Fn(DeclaredTask) -> What<'c>| {
+            for task in tasks(path, is_periodic)? {
+                push(what(task), vec![task.component]);
             }
-            components
+            Ok(())
         };
         let result: Result<(), Diagnostic> = match &check.kind {
-            CheckKind::Schedulable(path) => tasks(path, true).map(|task| {
-                for task in task {
-                    push(What::Schedulable(task), vec![task.component]);
-                }
-            }),
-            CheckKind::NoOverdue(path) => tasks(path, true).map(|task| {
-                for task in task {
-                    push(What::NoOverdue(task), vec![task.component]);
-                }
-            }),
-            CheckKind::Response(path, bound) => tasks(path, false).map(|task| {
-                for task in task {
-                    push(What::Response(task, *bound), vec![task.component]);
-                }
-            }),
-            CheckKind::Within(p, responses, bound) => {
-                let list: Vec<&Pred> = std::iter::once(p).chain(responses).collect();
-                let components = preds(&list);
-                push(What::Within(p, responses, *bound), components);
-                Ok(())
+            CheckKind::Schedulable(path) => of_tasks(path, true, &What::Schedulable),
+            CheckKind::NoOverdue(path) => of_tasks(path, true, &What::NoOverdue),
+            CheckKind::Response(path, bound) => {
+                of_tasks(path, false, &|task| What::Response(task, *bound))
             }
             CheckKind::Chain(kind, path, bound) => {
                 let chain_of = ChainOf { kind: *kind, path, bound: *bound };
                 flow::chain(names, settings, whole, &chain_of.asked())
                     .map(|found| push(What::Chain(chain_of), found.components))
             }
-            CheckKind::LeadsTo(p, q) => {
-                let components = preds(&[p, q]);
-                push(What::LeadsTo(p, q), components);
-                Ok(())
-            }
-            CheckKind::Eventually(p) => {
-                let components = preds(&[p]);
-                push(What::Eventually(p), components);
-                Ok(())
-            }
-            CheckKind::Always(p) => {
-                let components = preds(&[p]);
-                push(What::Always(p), components);
-                Ok(())
-            }
-            CheckKind::Reachable(p) => {
-                let components = preds(&[p]);
-                push(What::Reachable(p), components);
-                Ok(())
-            }
-            CheckKind::Pattern(pattern) => {
-                let components = preds(&pattern.predicates.iter().collect::<Vec<_>>());
-                push(What::Pattern(pattern), components);
-                Ok(())
-            }
-            CheckKind::Deadlock => {
-                push(What::Deadlock, Vec::new());
+            kind => {
+                let components = components_of_predicates(names, whole, check, diagnostics);
+                let what = match kind {
+                    CheckKind::Within(p, responses, bound) => What::Within(p, responses, *bound),
+                    CheckKind::LeadsTo(p, q) => What::LeadsTo(p, q),
+                    CheckKind::Eventually(p) => What::Eventually(p),
+                    CheckKind::Always(p) => What::Always(p),
+                    CheckKind::Reachable(p) => What::Reachable(p),
+                    CheckKind::Pattern(pattern) => What::Pattern(pattern),
+                    _ => What::Deadlock,
+                };
+                push(what, components);
                 Ok(())
             }
         };
@@ -221,4 +176,29 @@ pub(super) fn expand<'c>(
         diagnostics.push(Diagnostic::warning("scn-no-check", 0..0, message));
     }
     out
+}
+
+/// Returns the components that the predicates of a check are about, and reports the errors in them.
+fn components_of_predicates(
+    names: &Names,
+    whole: &Built,
+    check: &Check,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Vec<usize> {
+    let mut components = Vec::new();
+    let negated = matches!(check.kind, CheckKind::Always(_));
+    let leaves = matches!(check.kind, CheckKind::Pattern(_));
+    for pred in check.kind.predicates() {
+        match resolve::resolve(names, whole, pred) {
+            Ok(predicate) if predicate.needs_no_moment(negated, leaves) => {
+                let message = MOMENT_IS_OVER.to_owned();
+                let range = check.range.clone();
+                diagnostics.push(Diagnostic::error("scn-wrong-status", range, message));
+            }
+            Ok(_) => {}
+            Err(error) => diagnostics.push(error),
+        }
+        resolve::components_of(names, whole, pred, &mut components);
+    }
+    components
 }
