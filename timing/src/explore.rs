@@ -25,10 +25,9 @@ mod spans;
 mod state;
 mod stepper;
 mod store;
-mod token;
 mod watch;
 
-pub use chain_spans::explore_chain;
+pub use chain_spans::{explore_chain, is_exact};
 pub use continued::{Continued, NextStep};
 pub use details::{Blocker, Executing, MomentDetails};
 pub use findings::{Bound, Findings, Measured};
@@ -41,5 +40,4 @@ pub use run::{Run, SystemRun};
 pub use search::{Walked, bytes_of_walks, explore, explore_with_reports, search_once, walk};
 pub use spans::{ChainSpans, Span, Spent};
 pub use stepper::{Possible, Seen, Stepper, Watched};
-pub use token::is_exact;
 pub use watch::{Limits, ResponseTime, Stop, Watch, Within};

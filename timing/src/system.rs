@@ -16,7 +16,6 @@ pub mod indexed;
 mod locks;
 pub(crate) mod loops;
 mod name;
-mod program;
 pub mod settings;
 pub(crate) mod units;
 mod waiting_clients;

@@ -194,7 +194,8 @@ fn mark_lower_bounds(report: &mut Report) {
 }
 
 /// Answers response times without a stated limit that are not known, but certainly at least the period: a
-/// longer job was seen, or the task misses a deadline, and the job that is under way then has lasted a period.
+/// longer job was seen, or the task misses a deadline, and the job that is under way then has lasted a
+/// period.
 fn answer_late_jobs(report: &mut Report) {
     let has_run = |check: &&CheckReport| !check.counterexample.is_empty() && !check.rounded;
     let missed = report.checks.iter().filter(|check| check.kind == PropertyKind::Schedulable);

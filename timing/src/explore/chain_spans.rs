@@ -2,14 +2,14 @@
 
 use typed_index_collections::{TiVec, ti_vec};
 
-use super::findings::{Findings, Measured};
+use super::findings::{Bound, Findings, Measured};
 use super::observe::Observers;
-use super::rules::Rules;
+use super::rules::token::{greatest_age, is_set};
+use super::rules::{Action, Rules};
 use super::run::Run;
 use super::search::explore_by;
 use super::spans::{ChainSpans, Spent, Subject, work_of};
 use super::state::{Clocks, Stages, State};
-use super::token::{Token, holders, is_set, without_marks};
 use super::watch::{Limits, Watch, Within};
 use crate::cancel::Cancel;
 use crate::property::{Atom, Predicate, TaskState};
@@ -33,7 +33,7 @@ pub fn explore_chain(
         within: vec![Within { trigger: never(), responses: vec![never()], limit }],
         ..Watch::default()
     };
-    let rules = Token::rules(system, chain, &Clocks::none(system.tasks.len()));
+    let rules = Rules::for_chain(system, chain, &Clocks::none(system.tasks.len()));
     let mut found = explore_by(&rules, &watch, limits, cancel, &mut |_| {});
     if let Some(measurement) = found.within.iter().flatten().next() {
         found.chain = spans(system, chain, measurement);
@@ -49,7 +49,7 @@ fn spans(system: &TimedSystem, chain: &Chain, measured: &Measured) -> ChainSpans
         within: vec![Stages { count: 1, measured: true }],
         ..Clocks::none(system.tasks.len())
     };
-    let rules = Token::rules(system, chain, &clocks);
+    let rules = Rules::for_chain(system, chain, &clocks);
     let focus = Focus::new(&rules, chain);
     let spent = |s: &State| focus.spends(s);
     let clock = |s: &State| rules.frame().observer_clock(s, 0);
@@ -99,7 +99,7 @@ impl<'r> Focus<'r> {
     fn spends(&self, s: &State) -> Spent {
         let Focus { rules, chain, .. } = *self;
         let Some(token) = &rules.token else { return Spent::Nothing };
-        let holders = holders(rules);
+        let holders = rules.holders();
         let marked = |place: DataPlace| {
             let held = |holder: usize| is_set(s, token.marked_place(place, holder));
             match place {
@@ -118,7 +118,7 @@ impl<'r> Focus<'r> {
         }
         let carriers = (0..token.executors)
             .filter(|&executor| is_set(s, token.marked_executor(executor)))
-            .filter_map(|executor| Some((executor, token.codel(rules, s, executor)?.0)));
+            .filter_map(|executor| Some((executor, rules.codel_and_holder(s, executor)?.0)));
         if let Some((executor, codel)) = carriers.min_by_key(|pair| self.after[pair.1]) {
             return work_of(rules, s, executor, codel);
         }
@@ -167,5 +167,29 @@ fn codels_after(chain: &Chain) -> TiVec<CodelId, usize> {
         if after == before {
             return after;
         }
+    }
+}
+
+/// Removes marks from runs: they are not actions of the system.
+fn without_marks(measurement: &mut Measured) {
+    let strip = |run: &mut Run| {
+        let is_mark = |action: &Action| matches!(action, Action::Mark { .. });
+        if let Some(cycle) = &mut run.cycle {
+            let before = run.steps.iter().take(*cycle);
+            *cycle -= before.filter(|step| is_mark(&step.1)).count();
+        }
+        run.steps.retain(|step| !is_mark(&step.1));
+    };
+    strip(&mut measurement.longest);
+    if let Some(excess) = &mut measurement.excess {
+        strip(excess);
+    }
+}
+
+/// Returns true if the measured value of a chain is exact.
+pub fn is_exact(system: &TimedSystem, chain: &Chain, bound: Bound) -> bool {
+    match (chain.kind, bound) {
+        (ChainKind::Age, Bound::Finite(value)) => value < greatest_age(system),
+        _ => true,
     }
 }

@@ -1,8 +1,7 @@
 //! The rules: a single step of the timed system.
 //!
 //! There is one set of rules, [`Rules`], for every reading of the points of the semantics: sections
-//! 3 to 9, 21 and 22 of the timed semantics. For a chain they have a token
-//! in addition (`explore::token`).
+//! 3 to 9, 21 and 22 of the timed semantics. For a chain they follow data as well (`rules::data`).
 //!
 //! # The contract
 //!
@@ -52,6 +51,7 @@
 mod atoms;
 mod control_task;
 mod cores;
+mod data;
 mod describe;
 mod idle;
 mod jobs;
@@ -66,6 +66,7 @@ mod shutdown;
 pub(crate) mod status;
 mod system_rules;
 mod time;
+pub(super) mod token;
 mod work;
 
 pub use self::moment::{Moment, MomentKind};
@@ -123,7 +124,7 @@ pub enum Action {
     Shut { component: ComponentId },
     /// The control task handles the end of activities.
     Signal { component: ComponentId },
-    /// The last write, or read, is marked or not; not a step of the system (see `explore::token`).
+    /// The last write, or read, is marked or not; not a step of the system (see `rules::data`).
     Mark {
         /// Executor that has read the datum, if the datum is new at every read.
         executor: Option<usize>,

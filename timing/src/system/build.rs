@@ -6,6 +6,7 @@ mod clients;
 mod components;
 mod cycles;
 mod machines;
+mod program;
 mod rules;
 mod times;
 

@@ -90,7 +90,8 @@ impl Seen {
 }
 
 impl Group<'_> {
-    /// Looks for missed deadlines before schedule abstraction: without requests, if clients may wait for ever.
+    /// Looks for missed deadlines before schedule abstraction: without requests, if clients may wait for
+    /// ever.
     pub(super) fn early(
         &self,
         checks: &[Single],

@@ -16,9 +16,9 @@ use typed_index_collections::{TiVec, ti_vec};
 use super::layout::Layout;
 use super::points::{Cycle, Points, StartUp};
 use super::status::{control, flag, permanent, slot, thread};
+use super::token::Token;
 use super::{Action, Enabled, Moment, Work};
 use crate::explore::state::{Clocks, Frame, State, TaskStatus, phase};
-use crate::explore::token::Token;
 use crate::scn::semantics::TickRule;
 use crate::system::{
     AutomatonId, ClientAction, ClientId, Codel, CodelId, ComponentId, Machine, ServiceId,
@@ -192,7 +192,7 @@ impl<'s> Rules<'s> {
         }
         self.list_ready(&mut s);
         if let Some(token) = &self.token {
-            token.follow(self, None, &mut s);
+            self.follow_data(token, None, &mut s);
         }
         s
     }
@@ -246,7 +246,7 @@ impl<'s> Rules<'s> {
     /// Returns the same rules for the same system, with clocks for measured times.
     pub(crate) fn with_clocks(&self, clocks: &Clocks) -> Self {
         match &self.token {
-            Some(token) => Token::rules(self.system, token.chain, clocks),
+            Some(token) => Rules::for_chain(self.system, token.chain, clocks),
             None => Rules::with(self.system, clocks),
         }
     }
@@ -265,7 +265,7 @@ impl<'s> Rules<'s> {
     /// Lists the actions of a state.
     #[inline]
     pub(crate) fn enabled(&self, s: &State, out: &mut Enabled) {
-        if self.token.as_ref().is_none_or(|token| token.enabled(self, s, out)) {
+        if self.token.as_ref().is_none_or(|token| self.list_marks(token, s, out)) {
             self.list_enabled(s, out);
         }
     }
@@ -273,7 +273,7 @@ impl<'s> Rules<'s> {
     /// Performs an action that is enabled.
     pub(crate) fn apply(&self, s: &mut State, action: Action) {
         match &self.token {
-            Some(token) => token.apply(self, s, action),
+            Some(token) => self.act_with_data(token, s, action),
             None => self.act(s, action),
         }
     }
@@ -302,7 +302,7 @@ impl<'s> Rules<'s> {
     pub(crate) fn elapse(&self, s: &mut State, time: Ticks) {
         self.pass_time(s, time);
         if let Some(token) = &self.token {
-            token.elapse(self, s, time);
+            self.age(token, s, time);
         }
     }
 
@@ -313,7 +313,8 @@ impl<'s> Rules<'s> {
 
     // ---- Observation -----------------------------------------------------------------------
 
-    /// Returns whether a task has a job whose response time is measured, and whether the job waits for a core.
+    /// Returns whether a task has a job whose response time is measured, and whether the job waits for a
+    /// core.
     #[inline]
     pub(crate) fn job(&self, s: &State, task: usize) -> TaskStatus {
         let l = &self.layout;

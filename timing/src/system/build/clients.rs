@@ -5,7 +5,7 @@ use dotgen_analysis::model::PortDir;
 use num_rational::Ratio;
 use typed_index_collections::{TiSlice, ti_vec};
 
-use super::Builder;
+use super::{Builder, program};
 use crate::diagnostic::Diagnostic;
 use crate::diagnostic::remark::Remark;
 use crate::scn::ast::{self, Ending, Path, Step, StepKind, TriggerKind, Unit};
@@ -13,7 +13,7 @@ use crate::scn::names::Target;
 use crate::system::indexed::{Measure, MeasureEvent, not_a};
 use crate::system::{
     Builtin, Client, ClientId, Codel, CodelId, CodelName, ComponentId, FOREVER, Service, ServiceId,
-    program, units,
+    units,
 };
 
 impl Builder<'_> {

@@ -1,10 +1,9 @@
 //! Clients as graphs of steps.
 
-use super::build::Builder;
-use super::{Builtin, Client, ClientAction, ClientStep, FOREVER, Ticks};
+use super::Builder;
 use crate::diagnostic::Diagnostic;
 use crate::scn::ast::{self, Ending, Interval, Path, Step, StepKind, Trigger, Unit};
-use crate::system::ServiceId;
+use crate::system::{Builtin, Client, ClientAction, ClientStep, FOREVER, ServiceId, Ticks};
 
 /// Upper limit on the number of steps.
 const STEPS: usize = 20_000;
