@@ -108,7 +108,7 @@ pub fn is_word(kind: SyntaxKind, text: &str) -> bool {
     match kind {
         IDENT => true,
         CARET | AMP | PIPE | TILDE | BANG => text.len() > 1,
-        _ => (MODULE_KW..=TYPEDEF_KW).contains(&kind),
+        _ => kind.is_reserved_word(),
     }
 }
 
@@ -116,162 +116,6 @@ pub fn is_word(kind: SyntaxKind, text: &str) -> bool {
 #[inline]
 pub(crate) fn is_trivia(kind: SyntaxKind) -> bool {
     kind <= OPEN_COMMENT
-}
-
-#[derive(Logos, Debug, Clone, Copy, PartialEq, Eq)]
-enum Token {
-    #[regex(r"[ \t\x0B\x0C]+")]
-    Whitespace,
-    #[regex(r"\n|\r\n|\r")]
-    Newline,
-    #[regex(r"//[^\r\n]*", allow_greedy = true)]
-    LineComment,
-    #[token("/*")]
-    CommentStart,
-    #[token("\"")]
-    Quote,
-    #[token("'")]
-    Apostrophe,
-    #[regex(r"[^\x00-\x7F]+")]
-    NonAscii,
-
-    #[regex(r"[A-Za-z_][A-Za-z0-9_]*")]
-    #[token("clock-rate")]
-    #[token("real-time")]
-    #[token("codels-require")]
-    #[token("codels-requires")]
-    Ident,
-    #[regex(r"(0[xX][0-9a-fA-F]+|[0-9]+)([uU][lL]?|[lL][uU]?)?")]
-    Int,
-    #[regex(r"(([0-9]+\.[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?|[0-9]+[eE][+-]?[0-9]+)[fFlL]?")]
-    Float,
-    #[regex(r"(([0-9]+\.[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?|[0-9]+[eE][+-]?[0-9]+)[dD]")]
-    Fixed,
-
-    #[token("{")]
-    #[token("<%")]
-    LCurly,
-    #[token("}")]
-    #[token("%>")]
-    RCurly,
-    #[token("[")]
-    #[token("<:")]
-    LBrack,
-    #[token("]")]
-    #[token(":>")]
-    RBrack,
-    #[token("(")]
-    LParen,
-    #[token(")")]
-    RParen,
-    #[token(";")]
-    Semicolon,
-    #[token(":")]
-    Colon,
-    #[token("::")]
-    Colon2,
-    #[token("?")]
-    Question,
-    #[token(".")]
-    Dot,
-    #[token("+")]
-    Plus,
-    #[token("-")]
-    Minus,
-    #[token("*")]
-    Star,
-    #[token("/")]
-    Slash,
-    #[token("%")]
-    Percent,
-    #[token("^")]
-    #[token("xor")]
-    Caret,
-    #[token("&")]
-    #[token("bitand")]
-    Amp,
-    #[token("|")]
-    #[token("bitor")]
-    Pipe,
-    #[token("~")]
-    #[token("compl")]
-    Tilde,
-    #[token("!")]
-    #[token("not")]
-    Bang,
-    #[token("=")]
-    Eq,
-    #[token("<")]
-    LAngle,
-    #[token(">")]
-    RAngle,
-    #[token("<<")]
-    Shl,
-    #[token(">>")]
-    Shr,
-    #[token(",")]
-    Comma,
-    #[token("#")]
-    #[token("%:")]
-    Hash,
-    #[token("##")]
-    #[token("%:%:")]
-    Hash2,
-
-    #[token("module")]
-    Module,
-    #[token("FALSE")]
-    False,
-    #[token("TRUE")]
-    True,
-    #[token("unsigned")]
-    Unsigned,
-    #[token("short")]
-    Short,
-    #[token("long")]
-    Long,
-    #[token("fixed")]
-    FixedType,
-    #[token("float")]
-    FloatType,
-    #[token("double")]
-    Double,
-    #[token("char")]
-    Char,
-    #[token("wchar")]
-    Wchar,
-    #[token("string")]
-    String,
-    #[token("wstring")]
-    Wstring,
-    #[token("boolean")]
-    Boolean,
-    #[token("octet")]
-    Octet,
-    #[token("object")]
-    Object,
-    #[token("any")]
-    Any,
-    #[token("const")]
-    Const,
-    #[token("enum")]
-    Enum,
-    #[token("union")]
-    Union,
-    #[token("switch")]
-    Switch,
-    #[token("case")]
-    Case,
-    #[token("default")]
-    Default,
-    #[token("struct")]
-    Struct,
-    #[token("sequence")]
-    Sequence,
-    #[token("optional")]
-    Optional,
-    #[token("typedef")]
-    Typedef,
 }
 
 fn lex_plain(text: &str) -> RawTokens {
@@ -284,10 +128,10 @@ fn lex_plain(text: &str) -> RawTokens {
     // with their line. This also keeps lexing linear.
     let mut strings_span_lines = true;
     let mut line = Line::Start;
-    let mut lexer = Token::lexer(text);
+    let mut lexer = SyntaxKind::lexer(text);
     while let Some(token) = lexer.next() {
         let kind = match token {
-            Ok(Token::CommentStart) => {
+            Ok(BLOCK_COMMENT) => {
                 if let Some(at) = lexer.remainder().find("*/") {
                     lexer.bump(at + 2);
                     BLOCK_COMMENT
@@ -296,20 +140,19 @@ fn lex_plain(text: &str) -> RawTokens {
                     OPEN_COMMENT
                 }
             }
-            Ok(Token::Quote) => {
+            Ok(STRING) => {
                 let spans_lines = strings_span_lines && line != Line::Include;
                 let (len, closed) = literal(lexer.remainder(), b'"', spans_lines);
                 lexer.bump(len);
                 strings_span_lines &= closed || line == Line::Include;
                 if closed { STRING } else { OPEN_STRING }
             }
-            Ok(Token::Apostrophe) => {
+            Ok(CHAR) => {
                 let (len, closed) = literal(lexer.remainder(), b'\'', false);
                 lexer.bump(len);
                 if closed { CHAR } else { OPEN_STRING }
             }
-            Ok(token) => kind_of(token),
-            Err(()) => STRAY,
+            token => token.unwrap_or(STRAY),
         };
         let end = lexer.span().end;
         if kind == STRAY && tokens.kinds.last() == Some(&STRAY) {
@@ -432,77 +275,6 @@ fn lex_spliced(text: &str) -> RawTokens {
         tokens.push(SPLICE, at + removed);
     }
     tokens
-}
-
-fn kind_of(token: Token) -> SyntaxKind {
-    match token {
-        Token::Whitespace => WHITESPACE,
-        Token::Newline => NEWLINE,
-        Token::LineComment => LINE_COMMENT,
-        Token::CommentStart => BLOCK_COMMENT,
-        Token::Quote | Token::Apostrophe => OPEN_STRING,
-        Token::NonAscii => STRAY,
-        Token::Ident => IDENT,
-        Token::Int => INT,
-        Token::Float => FLOAT,
-        Token::Fixed => FIXED,
-        Token::LCurly => L_CURLY,
-        Token::RCurly => R_CURLY,
-        Token::LBrack => L_BRACK,
-        Token::RBrack => R_BRACK,
-        Token::LParen => L_PAREN,
-        Token::RParen => R_PAREN,
-        Token::Semicolon => SEMICOLON,
-        Token::Colon => COLON,
-        Token::Colon2 => COLON2,
-        Token::Question => QUESTION,
-        Token::Dot => DOT,
-        Token::Plus => PLUS,
-        Token::Minus => MINUS,
-        Token::Star => STAR,
-        Token::Slash => SLASH,
-        Token::Percent => PERCENT,
-        Token::Caret => CARET,
-        Token::Amp => AMP,
-        Token::Pipe => PIPE,
-        Token::Tilde => TILDE,
-        Token::Bang => BANG,
-        Token::Eq => EQ,
-        Token::LAngle => L_ANGLE,
-        Token::RAngle => R_ANGLE,
-        Token::Shl => SHL,
-        Token::Shr => SHR,
-        Token::Comma => COMMA,
-        Token::Hash => HASH,
-        Token::Hash2 => HASH2,
-        Token::Module => MODULE_KW,
-        Token::False => FALSE_KW,
-        Token::True => TRUE_KW,
-        Token::Unsigned => UNSIGNED_KW,
-        Token::Short => SHORT_KW,
-        Token::Long => LONG_KW,
-        Token::FixedType => FIXED_KW,
-        Token::FloatType => FLOAT_KW,
-        Token::Double => DOUBLE_KW,
-        Token::Char => CHAR_KW,
-        Token::Wchar => WCHAR_KW,
-        Token::String => STRING_KW,
-        Token::Wstring => WSTRING_KW,
-        Token::Boolean => BOOLEAN_KW,
-        Token::Octet => OCTET_KW,
-        Token::Object => OBJECT_KW,
-        Token::Any => ANY_KW,
-        Token::Const => CONST_KW,
-        Token::Enum => ENUM_KW,
-        Token::Union => UNION_KW,
-        Token::Switch => SWITCH_KW,
-        Token::Case => CASE_KW,
-        Token::Default => DEFAULT_KW,
-        Token::Struct => STRUCT_KW,
-        Token::Sequence => SEQUENCE_KW,
-        Token::Optional => OPTIONAL_KW,
-        Token::Typedef => TYPEDEF_KW,
-    }
 }
 
 #[cfg(test)]
