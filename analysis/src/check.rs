@@ -1,8 +1,8 @@
 //! Checks on the finished model, component by component.
 //!
-//! Each is a pure function of the [`Spec`] and one [`Component`] of it, so that a caller can cache it for
-//! every component on its own. [`component`] runs them all; a body that was reopened later is checked in its
-//! state at the end of the body, from [`crate::elab::BodyEnd::snapshot`].
+//! Each is a pure function of the [`Spec`] and one [`Component`] of it. [`component`] runs them all; a body
+//! that was reopened later is checked in its state at the end of the body, from
+//! [`crate::elab::BodyEnd::snapshot`].
 
 mod concurrency;
 mod machine;

@@ -1,7 +1,6 @@
 //! Names, types, component model, checks and editor features of GenoM3 specifications.
 
 mod base;
-mod body_view;
 pub mod check;
 pub mod codes;
 mod config;

@@ -1,9 +1,8 @@
 //! Lints: state machines, data flow, locks, timing, services, style.
 //!
-//! Each rule is a pure function of one component of the model, so that an edit re-checks one component only.
-//! Each rule has a code; `codes` describes them, and the manual pages are generated from there. The
-//! defaults are quiet on healthy specifications: a warning must be something its author would want to change,
-//! a hint may be a matter of taste.
+//! Each rule is a pure function of one component of the model. Each rule has a code; `codes` describes them,
+//! and the manual pages are generated from there. The defaults are quiet on healthy specifications: a warning
+//! must be something its author would want to change, a hint may be a matter of taste.
 
 mod data_flow;
 mod locks;

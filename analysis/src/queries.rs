@@ -1,8 +1,6 @@
 //! Elaboration and checks as queries over the database.
 //!
-//! [`elaborated`] depends on the item trees of a unit. The checks of each body run behind a [`BodyView`]: the
-//! body with the part of the model it can see, renumbered, so that an edit in one component leaves the views
-//! of the others equal.
+//! [`elaborated`] depends on the item trees of a unit, and the checks of its components on that.
 
 use std::sync::Arc;
 
@@ -10,14 +8,11 @@ use smol_str::SmolStr;
 
 use crate::{
     base::Db,
-    body_view::BodyView,
     check,
     elab::{self, Elaborated, UnitInput},
     finding::Finding,
     item_tree::{Item, ItemTree, Ptr},
-    lint,
-    model::Component,
-    requirement,
+    lint, requirement,
     unit::{UnitKey, item_tree, visits},
 };
 
@@ -78,59 +73,38 @@ pub(crate) fn elab_findings<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec
     Arc::new(elaborated(db, unit).diagnostics.clone())
 }
 
-/// Sets the maximum number of units and bodies with cached results.
+/// Sets the maximum number of units with cached results.
 pub(crate) fn keep(db: &mut dyn Db, count: usize) {
     elab_findings::set_lru_capacity(db, count);
-    check_body::set_lru_capacity(db, count);
-    lint_body::set_lru_capacity(db, count);
+    body_findings::set_lru_capacity(db, count);
 }
 
-/// Number of bodies to check.
-#[salsa::tracked(returns(copy))]
-pub(crate) fn body_count<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> u32 {
-    elaborated(db, unit).closings.len() as u32
+/// The findings at the ends of the bodies of a unit.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub(crate) struct BodyFindings {
+    /// Those of the checks, body by body.
+    pub(crate) checks: Vec<Finding>,
+    /// Those of the lints, component by component, after all of each was read.
+    pub(crate) lints: Vec<Finding>,
 }
 
-/// The part of the model that the checks of one body can see.
-#[salsa::tracked(lru = 24)]
-pub(crate) fn body_view<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> Arc<BodyView> {
-    let elaborated = elaborated(db, unit);
-    let spec = &elaborated.spec;
-    let none = || Arc::new(BodyView::default());
-    let Some(closing) = elaborated.closings.get(body as usize) else {
-        return none();
-    };
-    let component: Option<&Component> = match &closing.snapshot {
-        Some(snapshot) => Some(snapshot),
-        None => spec.components.get(closing.component as usize),
-    };
-    match component {
-        Some(component) => Arc::new(BodyView::new(spec, closing.component, component)),
-        None => none(),
-    }
-}
-
-/// The lints of one component, after all of it was read. Empty for a body that is reopened later.
+/// Checks the bodies of a unit.
 #[salsa::tracked(lru = 0)]
-pub(crate) fn lint_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> Arc<Vec<Finding>> {
-    if !is_last_body(db, unit, body) {
-        return Arc::default();
+pub(crate) fn body_findings<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<BodyFindings> {
+    let Elaborated { spec, closings, .. } = &**elaborated(db, unit);
+    let mut found = BodyFindings::default();
+    for (index, end) in closings.iter().enumerate() {
+        let last = spec.components.get(end.component as usize);
+        let Some(component) = end.snapshot.as_deref().or(last) else {
+            continue;
+        };
+        found.checks.extend(check::component(spec, component));
+        let later = &closings[index + 1..];
+        if end.snapshot.is_none() && later.iter().all(|that| that.component != end.component) {
+            found.lints.extend(lint::component(spec, component, db.workspace().lints(db)));
+        }
     }
-    let view = body_view(db, unit, body);
-    Arc::new(match view.component() {
-        Some(component) => lint::component(&view.spec, component, db.workspace().lints(db)),
-        None => Vec::new(),
-    })
-}
-
-/// Returns true if a component is not reopened after a body.
-#[salsa::tracked(returns(copy))]
-fn is_last_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> bool {
-    let closings = &elaborated(db, unit).closings;
-    closings.get(body as usize).is_some_and(|end| {
-        let later = &closings[body as usize + 1..];
-        end.snapshot.is_none() && later.iter().all(|that| that.component != end.component)
-    })
+    Arc::new(found)
 }
 
 /// Declarations of the root files of a unit that nothing uses.
@@ -142,14 +116,4 @@ pub(crate) fn lint_unused<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<F
         visit.is_some_and(|visit| visit.includer.is_none())
     };
     Arc::new(lint::unused(elaborated(db, unit), is_root))
-}
-
-/// The diagnostics of one body.
-#[salsa::tracked(lru = 0)]
-pub(crate) fn check_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> Arc<Vec<Finding>> {
-    let view = body_view(db, unit, body);
-    Arc::new(match view.component() {
-        Some(component) => check::component(&view.spec, component),
-        None => Vec::new(),
-    })
 }

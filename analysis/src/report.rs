@@ -20,7 +20,7 @@ use crate::{
     finding::{Finding, FindingKind, Near, files::FileProblem, lints::LintWarning},
     fixes::{FixSite, TextFix, trial},
     model::Src,
-    queries::{WRAPPER, body_count, check_body, elab_findings, lint_body, lint_unused},
+    queries::{WRAPPER, body_findings, elab_findings, lint_unused},
     source_map::{bytes, ptr, text_range},
     spelling::Spelling,
     suppress::suppressions,
@@ -48,18 +48,12 @@ pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<D
             report.text(i, visit.key);
         }
     }
-    for finding in elab_findings(db, unit).iter() {
+    let bodies = body_findings(db, unit);
+    for finding in elab_findings(db, unit).iter().chain(&bodies.checks) {
         report.finding(finding);
     }
-    for body in 0..body_count(db, unit) {
-        for body in check_body(db, unit, body).iter() {
-            report.finding(body);
-        }
-    }
     let rejected = report.out.iter().any(|diagnostic| diagnostic.severity == Severity::Error);
-    for body in 0..body_count(db, unit) {
-        report.lints(lint_body(db, unit, body), rejected);
-    }
+    report.lints(&bodies.lints, rejected);
     report.lints(lint_unused(db, unit), rejected);
     report.suppress();
     let mut out = report.out;

@@ -58,7 +58,7 @@ fn assert_never(log: &[String], queries: &[&str]) {
 }
 
 const BELOW_ITEM_TREE: &[&str] =
-    &["elaborated", "check_body", "body_view", "visits", "walk_unit", "includers"];
+    &["elaborated", "body_findings", "visits", "walk_unit", "includers"];
 
 #[test]
 fn an_edit_in_a_comment_stops_at_the_item_tree() {
@@ -77,25 +77,14 @@ fn an_edit_in_a_comment_stops_at_the_item_tree() {
 }
 
 #[test]
-fn an_edit_in_a_codel_checks_its_component_only() {
+fn an_edit_in_a_codel_checks_its_unit_once() {
     let mut fixture = edited("/a.gen");
     fixture.replace("/a.gen", "begin(ids in v)", "begin(ids out v)");
     let log = run(&fixture);
     assert_eq!(count(&log, "elaborated"), 1, "{log:#?}");
-    assert_eq!(count(&log, "check_body"), 1, "{log:#?}");
+    assert_eq!(count(&log, "body_findings"), 1, "{log:#?}");
     assert_eq!(count(&log, "parse_text"), 1, "{log:#?}");
     assert_never(&log, &["walk_unit", "includers"]);
-}
-
-#[test]
-fn a_new_state_and_a_new_period_check_their_component_only() {
-    let edits = [("begin(ids in v) yield ether", "begin(ids in v) yield pause::start, ether")];
-    for (from, to) in edits {
-        let mut fixture = edited("/a.gen");
-        fixture.replace("/a.gen", from, to);
-        let log = run(&fixture);
-        assert_eq!(count(&log, "check_body"), 1, "{log:#?}");
-    }
 }
 
 #[test]
@@ -105,7 +94,7 @@ fn an_edit_of_a_shared_file_elaborates_its_units() {
     let log = run(&fixture);
     assert_eq!(count(&log, "elaborated"), 2, "{log:#?}");
     assert_eq!(count(&log, "parse_text"), 1, "{log:#?}");
-    assert_never(&log, &["walk_unit", "visits", "check_body"]);
+    assert_never(&log, &["walk_unit", "visits"]);
 }
 
 #[test]
