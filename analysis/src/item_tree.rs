@@ -9,9 +9,10 @@
 
 pub mod lower;
 
+use dotgen_syntax::SyntaxKind;
 use smol_str::SmolStr;
 
-use crate::model::Name as Text;
+use crate::model::{Name as Text, ParamDir, ServiceKind, SourceKind, TypeKind};
 
 /// A node of an item tree: ordinal of the top-level item in its file, and ordinal inside the item.
 ///
@@ -72,13 +73,9 @@ pub enum Item {
     },
     /// A struct, union or enum declared as a statement.
     Type(Box<TypeDecl>),
-    /// `struct s;`
-    ForwardStruct {
-        name: Option<Name>,
-        ptr: Ptr,
-    },
-    /// `union u;`
-    ForwardUnion {
+    /// `struct s;` or `union u;`
+    Forward {
+        union: bool,
         name: Option<Name>,
         ptr: Ptr,
     },
@@ -195,7 +192,8 @@ pub struct TypeRef {
 /// See [`TypeRef`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum TypeRefKind {
-    Base(BaseType),
+    /// A type without parts.
+    Base(TypeKind),
     String {
         bound: Option<Expr>,
     },
@@ -211,22 +209,6 @@ pub enum TypeRefKind {
     Inline(Box<TypeDecl>),
     /// Not parsed; already reported.
     Missing,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum BaseType {
-    Boolean,
-    Octet,
-    Char,
-    Any,
-    Float,
-    Double,
-    Short,
-    UnsignedShort,
-    Long,
-    UnsignedLong,
-    LongLong,
-    UnsignedLongLong,
 }
 
 /// `[::]a::b::c`
@@ -266,12 +248,12 @@ pub enum ExprKind {
     Path(Path),
     Paren(Box<Expr>),
     Unary {
-        op: UnaryOp,
+        op: SyntaxKind,
         op_ptr: Ptr,
         operand: Box<Expr>,
     },
     Binary {
-        op: BinaryOp,
+        op: SyntaxKind,
         op_ptr: Ptr,
         left: Box<Expr>,
         right: Box<Expr>,
@@ -280,46 +262,13 @@ pub enum ExprKind {
     Missing,
 }
 
-/// Unary operators.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum UnaryOp {
-    Minus,
-    Plus,
-    Not,
-}
-
-/// Binary operators.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum BinaryOp {
-    Or,
-    Xor,
-    And,
-    Shl,
-    Shr,
-    Add,
-    Sub,
-    Mul,
-    Div,
-    Rem,
-}
-
-/// Units of time and size.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Unit {
-    S,
-    Ms,
-    Us,
-    K,
-    M,
-}
-
 /// A number with an optional unit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Duration {
     /// The number.
     pub value: Expr,
     /// The unit, with its place.
-    pub unit: Option<(Unit, Ptr)>,
+    pub unit: Option<(SyntaxKind, Ptr)>,
     /// The unit directly follows a number literal, without a blank (see deviation D29).
     pub glued: bool,
     /// The whole.
@@ -381,8 +330,6 @@ pub struct PortDecl {
     pub keyword: Ptr,
 }
 
-pub use crate::model::ServiceKind;
-
 /// An attribute, function or activity.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ServiceDecl {
@@ -394,18 +341,10 @@ pub struct ServiceDecl {
     pub ptr: Ptr,
 }
 
-/// Directions as written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Dir {
-    In,
-    Out,
-    Inout,
-}
-
 /// A parameter of a service or codel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ParamDecl {
-    pub dir: Dir,
+    pub dir: ParamDir,
     pub spec: ParamSpec,
     /// `= initializer` (services only).
     pub init: Option<Box<Initializer>>,
@@ -425,21 +364,12 @@ pub enum ParamSpec {
     /// `[source] in a.b[0]::renamed`, `in ::whole`
     Path {
         /// Explicit source, with its place.
-        source: Option<(Source, Ptr)>,
+        source: Option<(SourceKind, Ptr)>,
         /// Empty for `::name` alone.
         path: Vec<PathStep>,
         /// `::name`
         rename: Option<Box<Name>>,
     },
-}
-
-/// Explicit source of a codel parameter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Source {
-    Ids,
-    Local,
-    Port,
-    Remote,
 }
 
 /// One step of a parameter path; the first is always a member.

@@ -1,6 +1,7 @@
 //! Codels: parameters, states and execution times (language reference, sections 12, 13 and 17.4).
 
 use crate::finding::role::Role;
+use dotgen_syntax::SyntaxKind;
 use num_rational::Ratio;
 
 use super::{
@@ -13,7 +14,7 @@ use super::{
 };
 use crate::{
     finding::{Finding, codels::CodelProblem, values::ValueProblem},
-    item_tree::{CodelDecl, Duration, Name, StateRef, Unit},
+    item_tree::{CodelDecl, Duration, Name, StateRef},
     model::{
         Codel, CodelKind, Name as Text, Owner, Param, ParamDir, ParamSource, Quantity, Seconds,
         Src, State, TypeId, TypeKind,
@@ -390,7 +391,7 @@ impl<'a> Elaborator<'a> {
         duration: &'a Duration,
         place: TimePlace,
         at: Src,
-    ) -> Option<(Seconds, Option<Unit>)> {
+    ) -> Option<(Seconds, Option<SyntaxKind>)> {
         let value = self.eval(&duration.value);
         if value == Const::Unknown {
             return None;
@@ -416,7 +417,7 @@ impl<'a> Elaborator<'a> {
             return None;
         }
         let unit = if glued_microseconds(duration) {
-            Some(Unit::Us)
+            Some(SyntaxKind::US_KW)
         } else {
             duration.unit.map(|(unit, _)| unit)
         };

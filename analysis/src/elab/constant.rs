@@ -4,7 +4,7 @@ use crate::finding::role::Role;
 
 use super::{
     context::Elaborator,
-    operator::{BinaryProblem, binary, unary, unary_text},
+    operator::{BinaryProblem, binary, unary},
     value::Const,
     words,
 };
@@ -72,11 +72,8 @@ impl<'a> Elaborator<'a> {
                 let result = unary(*op, &value);
                 result.unwrap_or_else(|| {
                     let at = self.src(*op_ptr);
-
-                    self.error(
-                        at,
-                        ValueProblem::Unary { op: unary_text(*op), value: value.describe() },
-                    );
+                    let op = op.spelling().unwrap_or_default();
+                    self.error(at, ValueProblem::Unary { op, value: value.describe() });
                     value
                 })
             }

@@ -51,8 +51,7 @@ impl<'a> Elaborator<'a> {
             Item::Type(decl) => {
                 self.type_decl(decl);
             }
-            Item::ForwardStruct { name: Some(name), ptr } => self.forward(name, *ptr, true),
-            Item::ForwardUnion { name: Some(name), ptr } => self.forward(name, *ptr, false),
+            Item::Forward { union, name: Some(name), ptr } => self.forward(name, *ptr, *union),
             Item::Pragma(pragma) => self.pragma(pragma),
             _ => return false,
         }
@@ -165,12 +164,12 @@ impl<'a> Elaborator<'a> {
         id
     }
 
-    fn forward(&mut self, name: &Name, ptr: Ptr, is_struct: bool) {
+    fn forward(&mut self, name: &Name, ptr: Ptr, union: bool) {
         let at = self.src(name.ptr);
         if let Some(&previous) = self.scopes.get(self.scope).names.get(&name.text) {
             let same = match self.spec.ty(previous).kind {
-                TypeKind::ForwardStruct { .. } => is_struct,
-                TypeKind::ForwardUnion { .. } => !is_struct,
+                TypeKind::ForwardStruct { .. } => !union,
+                TypeKind::ForwardUnion { .. } => union,
                 _ => false,
             };
             if same {
@@ -180,10 +179,10 @@ impl<'a> Elaborator<'a> {
                 return;
             }
         }
-        let (kind, def) = if is_struct {
-            (TypeKind::ForwardStruct { definition: None }, DefKind::Struct)
-        } else {
+        let (kind, def) = if union {
             (TypeKind::ForwardUnion { definition: None }, DefKind::Union)
+        } else {
+            (TypeKind::ForwardStruct { definition: None }, DefKind::Struct)
         };
         let id = self.new_type(kind, def, name, ptr);
         let declared = self.scopes.get(self.scope).names.get(&name.text) == Some(&id);

@@ -1,8 +1,8 @@
 //! Placeholders for unresolved parts, so that independent parts are still elaborated.
 
-use super::{context::Elaborator, param::direction, types::resolve_aliases};
+use super::{context::Elaborator, types::resolve_aliases};
 use crate::{
-    item_tree::{Name, ParamDecl, ParamSpec, Path, PathStep, Source},
+    item_tree::{Name, ParamDecl, ParamSpec, Path, PathStep},
     model::{
         Gap, Missing, Name as Text, Param, ParamSource, PathElement, Scope, ScopeKind, SourceKind,
         Src, TypeId, TypeKind,
@@ -56,7 +56,7 @@ impl<'a> Elaborator<'a> {
         }
         let (first, last) = (path.iter().find_map(member), path.iter().rev().find_map(member));
         // Members of the ids are named by their last name, everything else by the first.
-        let whole = matches!(source, Some((known, _)) if *known != Source::Ids)
+        let whole = matches!(source, Some((known, _)) if *known != SourceKind::Ids)
             || first.is_some_and(|name| self.local_named(index, service, &name.text).is_some());
         let own = if whole { first } else { last };
         let name = rename.as_deref().or(own)?.text.clone();
@@ -65,16 +65,11 @@ impl<'a> Elaborator<'a> {
             && let Some(first) = first
             && !self.is_source(index, service, &first.text)
         {
-            let kind = source.as_ref().map(|source| match source.0 {
-                Source::Ids => SourceKind::Ids,
-                Source::Local => SourceKind::Local,
-                Source::Port => SourceKind::Port,
-                Source::Remote => SourceKind::Remote,
-            });
+            let kind = source.map(|source| source.0);
             self.record_unresolved(Missing::Source {
                 name: first.text.clone(),
                 kind,
-                dir: direction(decl.dir),
+                dir: decl.dir,
                 service,
             });
         }
@@ -88,7 +83,7 @@ impl<'a> Elaborator<'a> {
         Some(Param {
             name,
             src,
-            dir: direction(decl.dir),
+            dir: decl.dir,
             source: ParamSource::Opaque,
             base: ty,
             ty,

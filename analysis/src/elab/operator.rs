@@ -1,46 +1,17 @@
 //! The operators of constant expressions (language reference, section 7).
 
 use super::value::Const;
-use crate::{
-    finding::values::ValueProblem,
-    item_tree::{BinaryOp, UnaryOp},
-};
+use crate::finding::values::ValueProblem;
+use dotgen_syntax::SyntaxKind::{self, *};
 
-pub(super) fn unary_text(op: UnaryOp) -> &'static str {
-    match op {
-        UnaryOp::Minus => "-",
-        UnaryOp::Plus => "+",
-        UnaryOp::Not => "~",
-    }
-}
-
-fn binary_text(op: BinaryOp) -> &'static str {
-    match op {
-        BinaryOp::Or => "|",
-        BinaryOp::Xor => "^",
-        BinaryOp::And => "&",
-        BinaryOp::Shl => "<<",
-        BinaryOp::Shr => ">>",
-        BinaryOp::Add => "+",
-        BinaryOp::Sub => "-",
-        BinaryOp::Mul => "*",
-        BinaryOp::Div => "/",
-        BinaryOp::Rem => "%",
-    }
-}
-
-pub(super) fn unary(op: UnaryOp, value: &Const) -> Option<Const> {
+pub(super) fn unary(op: SyntaxKind, value: &Const) -> Option<Const> {
     Some(match (op, value) {
         (_, Const::Unknown) => Const::Unknown,
-        (UnaryOp::Not, Const::Bool(flag)) => Const::Bool(!flag),
-        (UnaryOp::Not, Const::Int { value, signed }) => {
-            Const::Int { value: !value, signed: *signed }
-        }
-        (UnaryOp::Minus, Const::Float(number)) => Const::Float(-number),
-        (UnaryOp::Minus, Const::Int { .. }) => {
-            Const::Int { value: -value.integer()?, signed: true }
-        }
-        (UnaryOp::Plus, Const::Float(_) | Const::Int { .. }) => value.clone(),
+        (TILDE, Const::Bool(flag)) => Const::Bool(!flag),
+        (TILDE, Const::Int { value, signed }) => Const::Int { value: !value, signed: *signed },
+        (MINUS, Const::Float(number)) => Const::Float(-number),
+        (MINUS, Const::Int { .. }) => Const::Int { value: -value.integer()?, signed: true },
+        (PLUS, Const::Float(_) | Const::Int { .. }) => value.clone(),
         _ => return None,
     })
 }
@@ -54,8 +25,8 @@ pub(super) enum BinaryProblem {
 }
 
 impl BinaryProblem {
-    pub(super) fn explain(self, op: BinaryOp, left: &Const, right: &Const) -> ValueProblem {
-        let op = binary_text(op);
+    pub(super) fn explain(self, op: SyntaxKind, left: &Const, right: &Const) -> ValueProblem {
+        let op = op.spelling().unwrap_or_default();
         match self {
             Self::Kinds => {
                 ValueProblem::Binary { op, left: left.describe(), right: right.describe() }
@@ -66,8 +37,7 @@ impl BinaryProblem {
     }
 }
 
-pub(super) fn binary(op: BinaryOp, left: &Const, right: &Const) -> Result<Const, BinaryProblem> {
-    use BinaryOp as Op;
+pub(super) fn binary(op: SyntaxKind, left: &Const, right: &Const) -> Result<Const, BinaryProblem> {
     let known =
         |constant: &Const| matches!(constant, Const::Unknown | Const::Int { .. } | Const::Float(_));
     if !known(left) || !known(right) {
@@ -76,7 +46,7 @@ pub(super) fn binary(op: BinaryOp, left: &Const, right: &Const) -> Result<Const,
     if *left == Const::Unknown || *right == Const::Unknown {
         return Ok(Const::Unknown);
     }
-    if matches!(op, Op::Shl | Op::Shr) {
+    if matches!(op, SHL | SHR) {
         return shift(op, left, right);
     }
     let (Const::Int { value: raw_a, signed: s }, Const::Int { value: raw_b, signed: t }) =
@@ -86,19 +56,19 @@ pub(super) fn binary(op: BinaryOp, left: &Const, right: &Const) -> Result<Const,
             return Err(BinaryProblem::Kinds);
         };
         return Ok(Const::Float(match op {
-            Op::Add => a + b,
-            Op::Sub => a - b,
-            Op::Mul => a * b,
-            Op::Div => a / b,
+            PLUS => a + b,
+            MINUS => a - b,
+            STAR => a * b,
+            SLASH => a / b,
             _ => return Err(BinaryProblem::Kinds),
         }));
     };
     let signed = *s || *t;
     // Bitwise operators keep complements symbolic, so that `~0 & mask` works at any width.
     let bitwise = match op {
-        Op::Or => Some(raw_a | raw_b),
-        Op::Xor => Some(raw_a ^ raw_b),
-        Op::And => Some(raw_a & raw_b),
+        PIPE => Some(raw_a | raw_b),
+        CARET => Some(raw_a ^ raw_b),
+        AMP => Some(raw_a & raw_b),
         _ => None,
     };
     if let Some(value) = bitwise {
@@ -107,21 +77,21 @@ pub(super) fn binary(op: BinaryOp, left: &Const, right: &Const) -> Result<Const,
     let (Some(a), Some(b)) = (left.integer(), right.integer()) else {
         return Err(BinaryProblem::Kinds);
     };
-    if matches!(op, Op::Div | Op::Rem) && b == 0 {
+    if matches!(op, SLASH | PERCENT) && b == 0 {
         return Err(BinaryProblem::DivisionByZero);
     }
     let value = match op {
-        Op::Add => a.checked_add(b),
-        Op::Sub => a.checked_sub(b),
-        Op::Mul => a.checked_mul(b),
-        Op::Div => a.checked_div(b),
+        PLUS => a.checked_add(b),
+        MINUS => a.checked_sub(b),
+        STAR => a.checked_mul(b),
+        SLASH => a.checked_div(b),
         _ => a.checked_rem(b),
     };
     let value = value.ok_or(BinaryProblem::Overflow)?;
     Ok(Const::Int { value, signed: signed || value < 0 })
 }
 
-fn shift(op: BinaryOp, left: &Const, right: &Const) -> Result<Const, BinaryProblem> {
+fn shift(op: SyntaxKind, left: &Const, right: &Const) -> Result<Const, BinaryProblem> {
     let Const::Int { signed, .. } = left else {
         return Err(BinaryProblem::Kinds);
     };
@@ -130,7 +100,7 @@ fn shift(op: BinaryOp, left: &Const, right: &Const) -> Result<Const, BinaryProbl
         return Err(BinaryProblem::Kinds);
     };
     let value = match op {
-        BinaryOp::Shr => value >> amount.min(127),
+        SHR => value >> amount.min(127),
         _ if value == 0 => 0,
         // Small enough that shifting loses no bit.
         _ if amount < 62 && value.unsigned_abs() < 1 << 65 => value << amount,

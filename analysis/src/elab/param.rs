@@ -6,21 +6,13 @@ use super::{Access, DefId, DefKind, context::Elaborator};
 use crate::finding::role::Role;
 use crate::{
     finding::{Finding, codels::CodelProblem},
-    item_tree::{Dir, Name, ParamDecl, ParamSpec, PathStep, Source},
+    item_tree::{Name, ParamDecl, ParamSpec, PathStep},
     model::{
-        CodelKind, Name as Text, Param, ParamDir, ParamSource, PathElement, PortDir, Src, TypeId,
-        TypeKind,
+        CodelKind, Name as Text, Param, ParamDir, ParamSource, PathElement, PortDir, SourceKind,
+        Src, TypeId, TypeKind,
     },
 };
 use smol_str::SmolStr;
-
-pub(super) fn direction(dir: Dir) -> ParamDir {
-    match dir {
-        Dir::In => ParamDir::In,
-        Dir::Out => ParamDir::Out,
-        Dir::Inout => ParamDir::Inout,
-    }
-}
 
 pub(super) fn dir_text(dir: ParamDir) -> &'static str {
     match dir {
@@ -32,20 +24,20 @@ pub(super) fn dir_text(dir: ParamDir) -> &'static str {
 }
 
 /// The access of a codel to the data of a parameter.
-fn codel_access(dir: Dir) -> Access {
+fn codel_access(dir: ParamDir) -> Access {
     match dir {
-        Dir::In => Access::Read,
-        Dir::Out => Access::Write,
-        Dir::Inout => Access::ReadWrite,
+        ParamDir::In | ParamDir::Local => Access::Read,
+        ParamDir::Out => Access::Write,
+        ParamDir::Inout => Access::ReadWrite,
     }
 }
 
 /// The access of an attribute to the ids: an `in` parameter is sent by the client (language reference, 11.1).
-fn attribute_access(dir: Dir) -> Access {
+fn attribute_access(dir: ParamDir) -> Access {
     match dir {
-        Dir::In => Access::Write,
-        Dir::Out => Access::Read,
-        Dir::Inout => Access::ReadWrite,
+        ParamDir::In | ParamDir::Local => Access::Write,
+        ParamDir::Out => Access::Read,
+        ParamDir::Inout => Access::ReadWrite,
     }
 }
 
@@ -107,11 +99,11 @@ impl<'a> Elaborator<'a> {
         let Some((PathStep::Member(first), rest)) = path.split_first() else {
             let rename = rename?;
             if let Some((source, _)) = source
-                && *source != Source::Ids
+                && *source != SourceKind::Ids
             {
                 let what = match source {
-                    Source::Local => "a parameter or local variable",
-                    Source::Port => "a port",
+                    SourceKind::Local => "a parameter or local variable",
+                    SourceKind::Port => "a port",
                     _ => "a remote service",
                 };
 
@@ -145,7 +137,8 @@ impl<'a> Elaborator<'a> {
         };
         let written =
             PathParts { decl, first, rest, rename, access: attribute_access(decl.dir), at };
-        let Target::Ids(member) = self.explicit_target(index, None, Source::Ids, &written)? else {
+        let Target::Ids(member) = self.explicit_target(index, None, SourceKind::Ids, &written)?
+        else {
             return None;
         };
         self.ids_param(index, member, &written)
@@ -169,7 +162,7 @@ impl<'a> Elaborator<'a> {
         &mut self,
         index: u32,
         service: Option<u32>,
-        source: Source,
+        source: SourceKind,
         written: &PathParts<'a>,
     ) -> Option<Target> {
         let name = &written.first.text;
@@ -177,7 +170,7 @@ impl<'a> Elaborator<'a> {
         let component = &self.spec.components[index as usize];
         let name = name.clone();
         let (found, kind) = match source {
-            Source::Ids => {
+            SourceKind::Ids => {
                 if component.ids.is_none() {
                     self.report_no_ids(index, written.at);
                     return None;
@@ -185,15 +178,15 @@ impl<'a> Elaborator<'a> {
                 let found = self.ids_member(index, &name).map(Target::Ids);
                 (found, CodelProblem::UnknownMember { name: name.clone() })
             }
-            Source::Local => {
+            SourceKind::Local => {
                 let found = self.local_named(index, service, &name).map(Target::Local);
                 (found, CodelProblem::UnknownLocal { name: name.clone() })
             }
-            Source::Port => {
+            SourceKind::Port => {
                 let found = state.port_by_name.get(&name).copied().map(Target::Port);
                 (found, CodelProblem::UnknownPort { name: name.clone() })
             }
-            Source::Remote => {
+            SourceKind::Remote => {
                 let found = state.remote_by_name.get(&name).copied();
                 let kind = CodelProblem::UnknownRemote { name: name.clone() };
                 (found.map(Target::Remote), kind)
@@ -234,7 +227,7 @@ impl<'a> Elaborator<'a> {
                         one: a.describe(),
                         other: b.describe(),
                         source: b.keyword(),
-                        dir: dir_text(direction(written.decl.dir)),
+                        dir: dir_text(written.decl.dir),
                     },
                     written.at,
                 );
@@ -274,21 +267,21 @@ impl<'a> Elaborator<'a> {
     }
 
     /// Every name that a parameter could use.
-    fn sources(&self, index: u32, service: Option<u32>, only: Option<Source>) -> Vec<Text> {
+    fn sources(&self, index: u32, service: Option<u32>, only: Option<SourceKind>) -> Vec<Text> {
         let state = &self.components[index as usize];
         let wanted = |source| only.is_none_or(|other| other == source);
         let mut names: Vec<Text> = Vec::new();
-        if let Some(scope) = state.ids.filter(|_| wanted(Source::Ids)) {
+        if let Some(scope) = state.ids.filter(|_| wanted(SourceKind::Ids)) {
             names.extend(self.scopes.get(scope).names.keys().cloned());
         }
-        if let Some(service) = service.filter(|_| wanted(Source::Local)) {
+        if let Some(service) = service.filter(|_| wanted(SourceKind::Local)) {
             let service = &self.spec.components[index as usize].services[service as usize];
             names.extend(service.params.iter().map(|param| param.name.clone()));
         }
-        if wanted(Source::Port) {
+        if wanted(SourceKind::Port) {
             names.extend(state.port_by_name.keys().cloned());
         }
-        if wanted(Source::Remote) {
+        if wanted(SourceKind::Remote) {
             names.extend(state.remote_by_name.keys().cloned());
         }
         names
@@ -336,7 +329,7 @@ impl<'a> Elaborator<'a> {
         Some(Param {
             name: rename.text.clone(),
             src: at,
-            dir: direction(decl.dir),
+            dir: decl.dir,
             source: ParamSource::Ids,
             base: ids,
             ty: ids,
@@ -358,7 +351,7 @@ impl<'a> Elaborator<'a> {
         Some(Param {
             name,
             src: written.at,
-            dir: direction(written.decl.dir),
+            dir: written.decl.dir,
             source: ParamSource::Ids,
             base: ids,
             ty,
@@ -383,7 +376,7 @@ impl<'a> Elaborator<'a> {
         let ty = self.walk(base, written, &mut path)?;
         // In a state machine, another state or a later turn may read the value.
         let is_lost = !matches!(kind, CodelKind::Validate | CodelKind::Fsm);
-        if dir == ParamDir::In && written.decl.dir != Dir::In && is_lost {
+        if dir == ParamDir::In && written.decl.dir != ParamDir::In && is_lost {
             let diagnostic = Finding::new(
                 CodelProblem::WritesInput { name: written.first.text.clone() },
                 written.at,
@@ -395,7 +388,7 @@ impl<'a> Elaborator<'a> {
         Some(Param {
             name,
             src: written.at,
-            dir: direction(written.decl.dir),
+            dir: written.decl.dir,
             source: ParamSource::Local(Some(local)),
             base,
             ty,
@@ -414,13 +407,13 @@ impl<'a> Elaborator<'a> {
             return None;
         }
         match (dir, written.decl.dir) {
-            (PortDir::In, Dir::Out) => {
+            (PortDir::In, ParamDir::Out) => {
                 let diagnostic =
                     Finding::new(CodelProblem::WritesInputPort { name: name.clone() }, written.at)
                         .related(place, Role::Port);
                 self.report(diagnostic);
             }
-            (PortDir::In, Dir::Inout) => {
+            (PortDir::In, ParamDir::Inout) => {
                 let diagnostic =
                     Finding::new(CodelProblem::InoutInputPort { name: name.clone() }, written.at)
                         .related(place, Role::Port);
@@ -432,7 +425,7 @@ impl<'a> Elaborator<'a> {
         Some(Param {
             name,
             src: written.at,
-            dir: direction(written.decl.dir),
+            dir: written.decl.dir,
             source: ParamSource::Port(port),
             base: data,
             ty: data,
@@ -449,7 +442,7 @@ impl<'a> Elaborator<'a> {
             self.error(written.at, CodelProblem::RemoteMember { name: name.clone() });
             return None;
         }
-        if written.decl.dir != Dir::In {
+        if written.decl.dir != ParamDir::In {
             self.error(written.at, CodelProblem::RemoteDirection { name: name.clone() });
         }
         let name = self.param_name(written, written.first);

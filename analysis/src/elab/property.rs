@@ -1,6 +1,7 @@
 //! Properties: legal places, contents and merging (language reference, section 9).
 
 use crate::finding::role::Role;
+use dotgen_syntax::SyntaxKind;
 use num_rational::Ratio;
 use rustc_hash::FxHashMap;
 
@@ -12,7 +13,7 @@ use crate::{
         services::DeclarationProblem,
         values::ValueProblem,
     },
-    item_tree::{Duration, Expr, ExprKind, Path, Property, PropertyKind, Unit},
+    item_tree::{Duration, Expr, ExprKind, Path, Property, PropertyKind},
     model::{Gap, Missing, Owner, Quantity, Seconds, Src, TypeId, TypeKind, Value},
     release::Change,
 };
@@ -354,7 +355,7 @@ impl<'a> Elaborator<'a> {
         let unit = if glued {
             let at = self.src(duration.value.ptr);
             self.error(at, ValueProblem::GluedUnit);
-            Some(Unit::S)
+            Some(SyntaxKind::S_KW)
         } else {
             duration.unit.map(|(unit, _)| unit)
         };
@@ -362,10 +363,15 @@ impl<'a> Elaborator<'a> {
     }
 
     /// A quantity of time, with its anonymous constant.
-    pub(super) fn seconds(&mut self, number: Seconds, unit: Option<Unit>, src: Src) -> Quantity {
+    pub(super) fn seconds(
+        &mut self,
+        number: Seconds,
+        unit: Option<SyntaxKind>,
+        src: Src,
+    ) -> Quantity {
         let value = match unit {
-            Some(Unit::Ms) => number / Ratio::from_integer(1_000),
-            Some(Unit::Us) => number / Ratio::from_integer(1_000_000),
+            Some(SyntaxKind::MS_KW) => number / Ratio::from_integer(1_000),
+            Some(SyntaxKind::US_KW) => number / Ratio::from_integer(1_000_000),
             _ => number,
         };
         let number = self.anonymous(TypeKind::Double, src);
@@ -389,8 +395,8 @@ impl<'a> Elaborator<'a> {
     pub(super) fn stack(&mut self, size: &'a Duration, src: Src) -> Option<Quantity> {
         let value = self.non_negative_integer(&size.value, "stack size")?;
         let factor = match size.unit {
-            Some((Unit::K, _)) => 1 << 10,
-            Some((Unit::M, _)) => 1 << 20,
+            Some((SyntaxKind::K_KW, _)) => 1 << 10,
+            Some((SyntaxKind::M_KW, _)) => 1 << 20,
             _ => 1,
         };
         if let Some(bytes) = value.checked_mul(factor) {
@@ -415,8 +421,8 @@ impl<'a> Elaborator<'a> {
 pub(super) fn glued_microseconds(duration: &Duration) -> bool {
     duration.glued
         && match (last_integer(&duration.value), duration.unit) {
-            (Some(_), Some((Unit::Us, _))) => true,
-            (Some(text), Some((Unit::S, _))) => text.ends_with('u'),
+            (Some(_), Some((SyntaxKind::US_KW, _))) => true,
+            (Some(text), Some((SyntaxKind::S_KW, _))) => text.ends_with('u'),
             _ => false,
         }
 }

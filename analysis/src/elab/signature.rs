@@ -1,12 +1,7 @@
 //! The parameters and local variables of services, and the comparison of repeated declarations (language
 //! reference, section 11.4).
 
-use super::{
-    Access, DefId, DefKind, Entity,
-    context::Elaborator,
-    param::{dir_text, direction},
-    types, words,
-};
+use super::{Access, DefId, DefKind, Entity, context::Elaborator, param::dir_text, types, words};
 use crate::finding::role::Role;
 use crate::{
     finding::{Finding, services::DeclarationProblem},
@@ -70,7 +65,7 @@ impl<'a> Elaborator<'a> {
                 let param = Param {
                     name: declarator.name.text.clone(),
                     src,
-                    dir: direction(decl.dir),
+                    dir: decl.dir,
                     source: ParamSource::Local(None),
                     base: ty,
                     ty,

@@ -1,11 +1,12 @@
 //! The state of an elaboration beyond the model: components, tasks, services and codels as written, and the
 //! work that waits for the end of the input.
 
+use dotgen_syntax::SyntaxKind;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{DefId, scope::ScopeId};
 use crate::{
-    item_tree::{CodelDecl, ParamDecl, Unit},
+    item_tree::{CodelDecl, ParamDecl},
     model::{CodelKind, Name as Text, ParamDir, Seconds, Src, TypeId},
     release::{Change, Release},
 };
@@ -117,7 +118,7 @@ pub(super) struct PragmaWcet {
     /// The directive.
     pub(super) at: Src,
     pub(super) number: Seconds,
-    pub(super) unit: Option<Unit>,
+    pub(super) unit: Option<SyntaxKind>,
 }
 
 /// The newer releases referred to by a unit.

@@ -12,7 +12,7 @@ use crate::{
         names::{NameProblem, Noun, SearchedScope},
         values::ValueProblem,
     },
-    item_tree::{BaseType, Declarator, Expr, Name, Path, TypeRef, TypeRefKind},
+    item_tree::{Declarator, Expr, Name, Path, TypeRef, TypeRefKind},
     model::{Missing, Spec, Src, TypeId, TypeKind},
 };
 
@@ -34,7 +34,7 @@ impl<'a> Elaborator<'a> {
     fn type_ref_for(&mut self, ty: &'a TypeRef, usage: TypeUse) -> TypeId {
         let at = self.src(ty.ptr);
         match &ty.kind {
-            TypeRefKind::Base(base) => self.anonymous(base_kind(*base), at),
+            TypeRefKind::Base(base) => self.anonymous(base.clone(), at),
             TypeRefKind::String { bound } => {
                 let bound = bound.as_ref().map(|bound| self.size(bound, "bound"));
                 self.sized(bound, at, |bound| TypeKind::String { bound })
@@ -267,23 +267,6 @@ impl<'a> Elaborator<'a> {
 
 /// The largest size of an array and largest bound that the reference compiler accepts.
 const LARGEST_SIZE: u64 = i32::MAX as u64;
-
-fn base_kind(base: BaseType) -> TypeKind {
-    match base {
-        BaseType::Boolean => TypeKind::Boolean,
-        BaseType::Octet => TypeKind::Octet,
-        BaseType::Char => TypeKind::Char,
-        BaseType::Any => TypeKind::Any,
-        BaseType::Float => TypeKind::Float,
-        BaseType::Double => TypeKind::Double,
-        BaseType::Short => TypeKind::Short,
-        BaseType::UnsignedShort => TypeKind::UnsignedShort,
-        BaseType::Long => TypeKind::Long,
-        BaseType::UnsignedLong => TypeKind::UnsignedLong,
-        BaseType::LongLong => TypeKind::LongLong,
-        BaseType::UnsignedLongLong => TypeKind::UnsignedLongLong,
-    }
-}
 
 /// The type behind aliases and `optional<>`.
 pub(crate) fn resolve_aliases(spec: &Spec, mut ty: TypeId) -> TypeId {

@@ -319,11 +319,8 @@ impl Lowering<'_> {
             }
             ast::Item::ForwardDecl(declaration) => {
                 let ptr = self.node(&node);
-                let name = self.name(declaration.name());
-                match declaration.union_token() {
-                    Some(_) => Item::ForwardUnion { name, ptr },
-                    None => Item::ForwardStruct { name, ptr },
-                }
+                let union = declaration.union_token().is_some();
+                Item::Forward { union, name: self.name(declaration.name()), ptr }
             }
             ast::Item::Component(component) => Item::Component {
                 ptr: self.node(&node),

@@ -7,9 +7,10 @@ use dotgen_syntax::{
 
 use super::{CollectExact, Lowering};
 use crate::item_tree::{
-    CodelDecl, Designator, Dir, InitValue, Initializer, ParamDecl, ParamSpec, PathStep,
-    ServiceDecl, ServiceKind, Source, StateRef, WcetClause,
+    CodelDecl, Designator, InitValue, Initializer, ParamDecl, ParamSpec, PathStep, ServiceDecl,
+    StateRef, WcetClause,
 };
+use crate::model::{ParamDir, ServiceKind, SourceKind};
 
 impl Lowering<'_> {
     pub(super) fn service(&mut self, service: &ast::Service) -> ServiceDecl {
@@ -86,10 +87,10 @@ impl Lowering<'_> {
             ast::Param::PathParam(path_param) => {
                 let source = path_param.source_token().and_then(|token| {
                     let source = match token.kind() {
-                        SyntaxKind::IDS_KW => Source::Ids,
-                        SyntaxKind::LOCAL_KW => Source::Local,
-                        SyntaxKind::PORT_KW => Source::Port,
-                        SyntaxKind::REMOTE_KW => Source::Remote,
+                        SyntaxKind::IDS_KW => SourceKind::Ids,
+                        SyntaxKind::LOCAL_KW => SourceKind::Local,
+                        SyntaxKind::PORT_KW => SourceKind::Port,
+                        SyntaxKind::REMOTE_KW => SourceKind::Remote,
                         _ => return None,
                     };
                     Some((source, self.token(&token)))
@@ -109,9 +110,9 @@ impl Lowering<'_> {
             }
         };
         let dir = match dir?.kind() {
-            SyntaxKind::IN_KW => Dir::In,
-            SyntaxKind::OUT_KW => Dir::Out,
-            _ => Dir::Inout,
+            SyntaxKind::IN_KW => ParamDir::In,
+            SyntaxKind::OUT_KW => ParamDir::Out,
+            _ => ParamDir::Inout,
         };
         Some(ParamDecl { dir, spec, init: init.map(|init| Box::new(self.initializer(&init))), ptr })
     }

@@ -8,9 +8,9 @@ use smol_str::SmolStr;
 
 use super::{CollectExact, Lowering};
 use crate::item_tree::{
-    BaseType, BinaryOp, Declarator, Duration, Expr, ExprKind, Path, Ptr, TypeDecl, TypeDeclKind,
-    TypeRef, TypeRefKind, UnaryOp, Unit,
+    Declarator, Duration, Expr, ExprKind, Path, Ptr, TypeDecl, TypeDeclKind, TypeRef, TypeRefKind,
 };
+use crate::model::TypeKind;
 
 impl Lowering<'_> {
     /// A type; if it is missing, `owner` is reported.
@@ -98,26 +98,20 @@ impl Lowering<'_> {
             ast::Expr::ParenExpr(expression) => {
                 ExprKind::Paren(Box::new(self.expr(expression.expr(), &node)))
             }
-            ast::Expr::PrefixExpr(expression) => match expression.op_token().and_then(|token| {
-                let op = unary_op(token.kind())?;
-                Some((op, self.token(&token)))
-            }) {
-                Some((op, op_ptr)) => ExprKind::Unary {
-                    op,
-                    op_ptr,
+            ast::Expr::PrefixExpr(expression) => match expression.op_token() {
+                Some(token) => ExprKind::Unary {
+                    op: token.kind(),
+                    op_ptr: self.token(&token),
                     operand: Box::new(self.expr(expression.expr(), &node)),
                 },
                 None => ExprKind::Missing,
             },
             ast::Expr::BinaryExpr(expression) => {
                 let left = Box::new(self.expr(expression.lhs(), &node));
-                match expression.op_token().and_then(|token| {
-                    let op = binary_op(token.kind())?;
-                    Some((op, self.token(&token)))
-                }) {
-                    Some((op, op_ptr)) => ExprKind::Binary {
-                        op,
-                        op_ptr,
+                match expression.op_token() {
+                    Some(token) => ExprKind::Binary {
+                        op: token.kind(),
+                        op_ptr: self.token(&token),
                         left,
                         right: Box::new(self.expr(expression.rhs(), &node)),
                     },
@@ -165,17 +159,7 @@ impl Lowering<'_> {
         Duration {
             ptr: self.node(node),
             value: self.expr(quantity.expr(), node),
-            unit: quantity.unit_token().and_then(|token| {
-                let unit = match token.kind() {
-                    SyntaxKind::S_KW => Unit::S,
-                    SyntaxKind::MS_KW => Unit::Ms,
-                    SyntaxKind::US_KW => Unit::Us,
-                    SyntaxKind::K_KW => Unit::K,
-                    SyntaxKind::M_KW => Unit::M,
-                    _ => return None,
-                };
-                Some((unit, self.token(&token)))
-            }),
+            unit: quantity.unit_token().map(|token| (token.kind(), self.token(&token))),
             glued: quantity.is_glued(self.map),
         }
     }
@@ -202,47 +186,22 @@ fn inline(name: Option<crate::item_tree::Name>, kind: TypeDeclKind, ptr: Ptr) ->
 }
 
 /// `None` for unused reserved words and for errors reported by the grammar.
-fn base_type(ty: &ast::BaseType) -> Option<BaseType> {
+fn base_type(ty: &ast::BaseType) -> Option<TypeKind> {
     use SyntaxKind as K;
     let words: Vec<SyntaxKind> = ty.words().collect();
     Some(match words.as_slice() {
-        [K::BOOLEAN_KW] => BaseType::Boolean,
-        [K::OCTET_KW] => BaseType::Octet,
-        [K::CHAR_KW] => BaseType::Char,
-        [K::ANY_KW] => BaseType::Any,
-        [K::FLOAT_KW] => BaseType::Float,
-        [K::DOUBLE_KW] => BaseType::Double,
-        [K::SHORT_KW] => BaseType::Short,
-        [K::LONG_KW] => BaseType::Long,
-        [K::LONG_KW, K::LONG_KW] => BaseType::LongLong,
-        [K::UNSIGNED_KW, K::SHORT_KW] => BaseType::UnsignedShort,
-        [K::UNSIGNED_KW, K::LONG_KW] => BaseType::UnsignedLong,
-        [K::UNSIGNED_KW, K::LONG_KW, K::LONG_KW] => BaseType::UnsignedLongLong,
-        _ => return None,
-    })
-}
-
-fn unary_op(kind: SyntaxKind) -> Option<UnaryOp> {
-    Some(match kind {
-        SyntaxKind::MINUS => UnaryOp::Minus,
-        SyntaxKind::PLUS => UnaryOp::Plus,
-        SyntaxKind::TILDE => UnaryOp::Not,
-        _ => return None,
-    })
-}
-
-fn binary_op(kind: SyntaxKind) -> Option<BinaryOp> {
-    Some(match kind {
-        SyntaxKind::PIPE => BinaryOp::Or,
-        SyntaxKind::CARET => BinaryOp::Xor,
-        SyntaxKind::AMP => BinaryOp::And,
-        SyntaxKind::SHL => BinaryOp::Shl,
-        SyntaxKind::SHR => BinaryOp::Shr,
-        SyntaxKind::PLUS => BinaryOp::Add,
-        SyntaxKind::MINUS => BinaryOp::Sub,
-        SyntaxKind::STAR => BinaryOp::Mul,
-        SyntaxKind::SLASH => BinaryOp::Div,
-        SyntaxKind::PERCENT => BinaryOp::Rem,
+        [K::BOOLEAN_KW] => TypeKind::Boolean,
+        [K::OCTET_KW] => TypeKind::Octet,
+        [K::CHAR_KW] => TypeKind::Char,
+        [K::ANY_KW] => TypeKind::Any,
+        [K::FLOAT_KW] => TypeKind::Float,
+        [K::DOUBLE_KW] => TypeKind::Double,
+        [K::SHORT_KW] => TypeKind::Short,
+        [K::LONG_KW] => TypeKind::Long,
+        [K::LONG_KW, K::LONG_KW] => TypeKind::LongLong,
+        [K::UNSIGNED_KW, K::SHORT_KW] => TypeKind::UnsignedShort,
+        [K::UNSIGNED_KW, K::LONG_KW] => TypeKind::UnsignedLong,
+        [K::UNSIGNED_KW, K::LONG_KW, K::LONG_KW] => TypeKind::UnsignedLongLong,
         _ => return None,
     })
 }
