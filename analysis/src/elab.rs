@@ -32,6 +32,8 @@ mod union;
 mod value;
 mod words;
 
+pub(crate) use param::dir_text;
+
 use std::sync::Arc;
 
 use smol_str::SmolStr;
@@ -170,24 +172,20 @@ pub struct Reference {
     /// The named entity.
     pub target: DefId,
     /// The access of a codel or attribute.
-    pub access: Access,
-    /// True if it declares (again, or part of) the target instead of using it.
-    pub declaration: bool,
+    pub access: AccessKind,
     /// The component or interface that contains it.
     pub component: Option<u32>,
 }
 
-/// The access of a codel or attribute parameter to the data it names.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Access {
-    /// Not an access to data.
-    #[default]
-    None,
-    /// `in`
+/// The access of a reference to its target.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum AccessKind {
+    /// The declaration itself, again, or a part of it.
+    Declaration,
+    /// A mention without access to data.
+    Mention,
     Read,
-    /// `out`
     Write,
-    /// `inout`
     ReadWrite,
 }
 
@@ -200,9 +198,22 @@ pub struct BodyEnd {
     pub snapshot: Option<Box<Component>>,
 }
 
+impl Reference {
+    /// Returns true if it declares (again, or part of) the target instead of using it.
+    pub fn is_declaration(&self) -> bool {
+        self.access == AccessKind::Declaration
+    }
+}
+
 impl Elaborated {
     pub fn definition(&self, id: DefId) -> &Definition {
         &self.definitions[id.0 as usize]
+    }
+
+    /// The definitions around a definition, from the inside.
+    pub(crate) fn containers(&self, definition: &Definition) -> impl Iterator<Item = &Definition> {
+        let around = |definition: &Definition| definition.container.map(|id| self.definition(id));
+        std::iter::successors(around(definition), move |inner| around(inner))
     }
 }
 

@@ -39,10 +39,8 @@ use std::ops::Range;
 use camino::Utf8PathBuf;
 use smol_str::SmolStr;
 
-use crate::{
-    elab::{Access, DefKind},
-    model::ServiceKind,
-};
+pub use crate::elab::AccessKind;
+use crate::{elab::DefKind, model::ServiceKind};
 pub use allow::is_about_comment;
 pub use assists::{Assist, AssistKind, TaskTime};
 pub use call_hierarchy::{Call, CallItem, CallKey};
@@ -283,18 +281,6 @@ pub struct SemanticToken {
     pub modifiers: TokenModifiers,
 }
 
-/// The access of a reference to its target.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum AccessKind {
-    /// The declaration itself.
-    Declaration,
-    /// A mention without access to data.
-    Mention,
-    Read,
-    Write,
-    ReadWrite,
-}
-
 /// One mention of a name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ReferenceAt {
@@ -354,17 +340,6 @@ impl From<ServiceKind> for SymbolKind {
             ServiceKind::Attribute => SymbolKind::Attribute,
             ServiceKind::Function => SymbolKind::Function,
             ServiceKind::Activity => SymbolKind::Activity,
-        }
-    }
-}
-
-impl From<Access> for AccessKind {
-    fn from(access: Access) -> AccessKind {
-        match access {
-            Access::None => AccessKind::Mention,
-            Access::Read => AccessKind::Read,
-            Access::Write => AccessKind::Write,
-            Access::ReadWrite => AccessKind::ReadWrite,
         }
     }
 }

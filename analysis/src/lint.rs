@@ -15,10 +15,11 @@ mod unused;
 use crate::config::LintConfig;
 use crate::finding::{
     Finding,
-    codels::OwnerName,
     lints::{CodelName, LintWarning},
 };
-use crate::model::{Codel, CodelRef, Component, ComponentKind, Owner, Seconds, Spec, Src};
+use crate::model::{
+    Codel, CodelRef, Component, ComponentKind, Owner, OwnerName, Seconds, Spec, Src,
+};
 
 pub use unused::unused;
 
@@ -50,12 +51,6 @@ impl<'a> Lint<'a> {
         self.found.push(Finding::new(kind, at));
         let last = self.found.len() - 1;
         &mut self.found[last]
-    }
-
-    /// Tasks, then services, of the component.
-    fn owners(&self) -> impl Iterator<Item = Owner> + use<> {
-        let tasks = (0..self.component.tasks.len() as u32).map(Owner::Task);
-        tasks.chain((0..self.component.services.len() as u32).map(Owner::Service))
     }
 
     fn owner_name(&self, owner: Owner) -> OwnerName {

@@ -12,6 +12,7 @@ pub mod fsm;
 pub mod gaps;
 pub mod layout;
 pub mod mutex;
+mod owner;
 pub mod path;
 pub mod system;
 pub mod turn;
@@ -24,6 +25,7 @@ use smol_str::SmolStr;
 
 use crate::release::Release;
 pub use gaps::{Gap, Missing, SourceKind, UnknownDependencies};
+pub use owner::OwnerName;
 pub use types::{Label, Scope, ScopeKind, Type, TypeId, TypeKind, Value};
 
 /// A name as written in the specification.
@@ -331,6 +333,14 @@ pub enum ParamDir {
     Inout,
 }
 
+impl ParamDir {
+    /// Returns true for input, and true for output.
+    pub(crate) fn flow(self) -> (bool, bool) {
+        use ParamDir::*;
+        (matches!(self, In | Inout), matches!(self, Out | Inout))
+    }
+}
+
 /// The data that a parameter refers to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(tag = "kind", content = "index", rename_all = "lowercase")]
@@ -509,9 +519,7 @@ impl Component {
 
     /// Every codel: those of tasks in order, then those of services in order.
     pub fn all_codels(&self) -> impl Iterator<Item = CodelRef> + '_ {
-        let tasks = (0..self.tasks.len() as u32).map(Owner::Task);
-        let services = (0..self.services.len() as u32).map(Owner::Service);
-        tasks.chain(services).flat_map(|owner| {
+        self.owners().flat_map(|owner| {
             (0..self.codels_of(owner).len() as u32).map(move |index| CodelRef { owner, index })
         })
     }

@@ -125,7 +125,7 @@ impl Writer<'_> {
         let mut out = Object::default();
         let ty = self.spec.ty(member);
         out.put("name", ty.name.as_deref().unwrap_or_default());
-        out.put("type", self.type_name(value_type(self.spec, member)));
+        out.put("type", self.type_name(self.spec.member_type(member)));
         self.place(&mut out, ty.src);
         out.done()
     }
@@ -262,7 +262,7 @@ impl Writer<'_> {
         let mut out = Object::default();
         out.put("name", self.short_name(id));
         out.put("kind", ty.kind.word());
-        out.put("type", self.type_name(value_type(self.spec, id)));
+        out.put("type", self.type_name(self.spec.member_type(id)));
         if let TypeKind::UnionMember { labels, .. } = &ty.kind {
             let labels = labels.iter().map(|label| match label {
                 Label::Default => String::new(),
@@ -279,28 +279,8 @@ impl Writer<'_> {
 
     /// A type where it is used.
     fn type_name(&self, id: TypeId) -> String {
-        if let Some(name) = self.spec.full_name(id) {
-            return name;
-        }
-        match &self.spec.ty(id).kind {
-            TypeKind::String { bound: Some(bound) } => format!("string<{bound}>"),
-            TypeKind::Array { .. } => {
-                let (mut element, mut dimensions) = (id, String::new());
-                while let (None, TypeKind::Array { element: inner, length }) =
-                    (&self.spec.ty(element).name, &self.spec.ty(element).kind)
-                {
-                    dimensions.push_str(&format!("[{length}]"));
-                    element = *inner;
-                }
-                self.type_name(element) + &dimensions
-            }
-            TypeKind::Sequence { element, bound } => match bound {
-                Some(bound) => format!("sequence<{},{bound}>", self.type_name(*element)),
-                None => format!("sequence<{}>", self.type_name(*element)),
-            },
-            TypeKind::Optional { element } => format!("optional<{}>", self.type_name(*element)),
-            kind => kind.word().to_owned(),
-        }
+        let composed = || self.spec.composed_text(id, ",", &|part| self.type_name(part));
+        self.spec.full_name(id).unwrap_or_else(composed)
     }
 
     fn names_of(&self, types: &[TypeId]) -> Json {
@@ -373,14 +353,6 @@ fn is_listed(kind: &TypeKind) -> bool {
             | TypeKind::ForwardUnion { .. }
             | TypeKind::Unknown
     )
-}
-
-/// The type of a member.
-fn value_type(spec: &Spec, id: TypeId) -> TypeId {
-    match spec.ty(id).kind {
-        TypeKind::StructMember { ty } | TypeKind::UnionMember { ty, .. } => ty,
-        _ => id,
-    }
 }
 
 fn amount(quantity: &Quantity) -> Json {

@@ -13,4 +13,4 @@ mod traits;
 
 pub use ext::*;
 pub use generated::*;
-pub use traits::{AstChildren, AstNode, HasBody, HasName, support};
+pub use traits::{AstChildren, AstNode, HasBody, support};

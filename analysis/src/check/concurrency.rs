@@ -3,12 +3,9 @@
 
 use crate::finding::role::Role;
 use crate::{
-    finding::{
-        Finding,
-        codels::{CodelProblem, OwnerName},
-    },
+    finding::{Finding, codels::CodelProblem},
     model::{
-        CodelRef, Component, ComponentKind, Owner, Spec,
+        CodelRef, Component, ComponentKind, Owner, OwnerName, Spec,
         fsm::Machine,
         mutex::{Excluded, Exclusion, exclusions},
     },

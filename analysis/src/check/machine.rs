@@ -7,12 +7,9 @@ use smol_str::SmolStr;
 use smol_str::format_smolstr;
 
 use crate::{
-    finding::{
-        Finding, Near,
-        codels::{CodelProblem, OwnerName},
-    },
+    finding::{Finding, Near, codels::CodelProblem},
     model::{
-        Codel, Component, ComponentKind, Name, Spec, Src, State, Type, TypeId, TypeKind,
+        Codel, Component, ComponentKind, Name, OwnerName, Spec, Src, State, Type, TypeId, TypeKind,
         fsm::Machine,
     },
 };

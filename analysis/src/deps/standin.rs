@@ -11,6 +11,7 @@ use std::ops::Range;
 use camino::{Utf8Path, Utf8PathBuf};
 
 use super::{Dependencies, Include, UnknownName};
+use crate::elab::dir_text;
 use crate::model::{
     Gap, Missing, Name, Param, ParamDir, PathElement, Service, ServiceKind, SourceKind, Spec,
     TypeKind,
@@ -205,11 +206,7 @@ fn params(spec: &Spec, service: &Service) -> Option<Vec<String>> {
             }
             _ => return None,
         };
-        let dir = match param.dir {
-            ParamDir::In => "in",
-            ParamDir::Out => "out",
-            _ => "inout",
-        };
+        let dir = dir_text(param.dir);
         Some(format!("{dir} {named} {}", param.name))
     };
     declared.map(one).collect()

@@ -5,7 +5,7 @@ use dotgen_syntax::SyntaxKind;
 use num_rational::Ratio;
 
 use super::{
-    Access, DefId, DefKind,
+    AccessKind, DefId, DefKind,
     context::Elaborator,
     property::glued_microseconds,
     state::{CodelSource, KnownCodel},
@@ -195,7 +195,7 @@ impl<'a> Elaborator<'a> {
         if known.signature.is_none() || (self.importing.is_some() && complete) {
             known.signature.clone_from(&signature);
         }
-        self.refer_as(at, def, Access::None, true);
+        self.refer_as(at, def, AccessKind::Declaration);
         let Some(known) = self.codels.get(&name.text) else {
             return;
         };

@@ -4,7 +4,7 @@ use crate::finding::role::Role;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{
-    BodyEnd, DefId, DefKind, Entity,
+    AccessKind, BodyEnd, DefId, DefKind, Entity,
     context::Elaborator,
     scope::{Clash, ScopeId},
     state::ComponentState,
@@ -75,7 +75,7 @@ impl<'a> Elaborator<'a> {
                 *snapshot = Some(Box::new(known.clone()));
             }
         }
-        self.refer_as(at, def, super::Access::None, true);
+        self.refer_as(at, def, AccessKind::Declaration);
         true
     }
 

@@ -7,7 +7,8 @@ use std::{cell::Cell, sync::Arc};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{
-    Access, BodyEnd, DefId, DefKind, Definition, Elaborated, Entity, Reference, UnitInput, Visit,
+    AccessKind, BodyEnd, DefId, DefKind, Definition, Elaborated, Entity, Reference, UnitInput,
+    Visit,
     scope::{Clash, GLOBAL, ScopeId, Scopes},
     state::{ComponentState, KnownCodel, NewerReleases, PragmaWcet},
     words,
@@ -484,7 +485,7 @@ impl<'a> Elaborator<'a> {
 
     /// Records the use of a name.
     pub(super) fn refer(&mut self, at: Src, target: DefId) {
-        self.refer_as(at, target, Access::None, false);
+        self.refer_as(at, target, AccessKind::Mention);
     }
 
     /// Records the use of a type object's name.
@@ -494,15 +495,9 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    pub(super) fn refer_as(&mut self, at: Src, target: DefId, access: Access, declaration: bool) {
+    pub(super) fn refer_as(&mut self, at: Src, target: DefId, access: AccessKind) {
         if self.importing.is_none() {
-            self.references.push(Reference {
-                at,
-                target,
-                access,
-                declaration,
-                component: self.component,
-            });
+            self.references.push(Reference { at, target, access, component: self.component });
         }
     }
 }

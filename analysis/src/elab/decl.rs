@@ -1,7 +1,7 @@
 //! Modules, constants and type declarations (language reference, sections 4.1, 4.2, 5 and 6).
 
 use super::{
-    DefId, DefKind,
+    AccessKind, DefId, DefKind,
     context::{Elaborator, ForwardDeclaration},
     convert::{convert, explain_misfit},
     scope::{Clash, ScopeId},
@@ -86,7 +86,7 @@ impl<'a> Elaborator<'a> {
             if is_module && let Some(def) = def {
                 let known = self.definitions[def.0 as usize].kind;
                 if kind == DefKind::Module || known == kind {
-                    self.refer_as(at, def, super::Access::None, true);
+                    self.refer_as(at, def, AccessKind::Declaration);
                 } else if known == DefKind::Module {
                     // A component whose scope is that of an existing module.
                     let new = self.define(kind, &name.text, at, node, None);
@@ -174,7 +174,7 @@ impl<'a> Elaborator<'a> {
             };
             if same {
                 if let Some(def) = self.type_defs[previous.0 as usize] {
-                    self.refer_as(at, def, super::Access::None, true);
+                    self.refer_as(at, def, AccessKind::Declaration);
                 }
                 return;
             }
@@ -258,7 +258,7 @@ impl<'a> Elaborator<'a> {
                 let definition = &mut self.definitions[def.0 as usize];
                 let earlier = std::mem::replace(&mut definition.src, at);
                 definition.node = node;
-                self.refer_as(earlier, def, super::Access::None, true);
+                self.refer_as(earlier, def, AccessKind::Declaration);
                 def
             }
             None => self.define(def_kind, &name.text, at, node, None),

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use num_rational::Ratio;
 
-use super::{Access, Elaborated, context::Elaborator, property::to_f64};
+use super::{Elaborated, context::Elaborator, property::to_f64};
 use crate::finding::{Finding, names::NameProblem, values::ValueProblem};
 use crate::model::{
     ComponentKind, Gap, Missing, Quantity, Seconds, Spec, Src, TypeId, TypeKind, visit::TypeIds,
@@ -107,7 +107,7 @@ impl Elaborator<'_> {
                 );
                 continue;
             };
-            self.refer_as(pragma.name, def, Access::None, false);
+            self.refer(pragma.name, def);
             let quantity = self.seconds(pragma.number, pragma.unit, pragma.at);
             let mut clause = None;
             for component in &mut self.spec.components {

@@ -25,10 +25,7 @@ impl<'a> Elaborator<'a> {
         init: &'a item_tree::Initializer,
         ty: TypeId,
     ) -> Option<Initializer> {
-        let ty = match self.spec.ty(ty).kind {
-            TypeKind::StructMember { ty } | TypeKind::UnionMember { ty, .. } => ty,
-            _ => ty,
-        };
+        let ty = self.spec.member_type(ty);
         if says_nothing(init) {
             return None;
         }

@@ -2,7 +2,7 @@
 
 mod path;
 
-use super::{Access, DefId, DefKind, context::Elaborator};
+use super::{AccessKind, DefId, DefKind, context::Elaborator};
 use crate::finding::role::Role;
 use crate::{
     finding::{Finding, codels::CodelProblem},
@@ -14,7 +14,8 @@ use crate::{
 };
 use smol_str::SmolStr;
 
-pub(super) fn dir_text(dir: ParamDir) -> &'static str {
+/// The word for a direction.
+pub(crate) fn dir_text(dir: ParamDir) -> &'static str {
     match dir {
         ParamDir::In => "in",
         ParamDir::Out => "out",
@@ -24,20 +25,20 @@ pub(super) fn dir_text(dir: ParamDir) -> &'static str {
 }
 
 /// The access of a codel to the data of a parameter.
-fn codel_access(dir: ParamDir) -> Access {
+fn codel_access(dir: ParamDir) -> AccessKind {
     match dir {
-        ParamDir::In | ParamDir::Local => Access::Read,
-        ParamDir::Out => Access::Write,
-        ParamDir::Inout => Access::ReadWrite,
+        ParamDir::In | ParamDir::Local => AccessKind::Read,
+        ParamDir::Out => AccessKind::Write,
+        ParamDir::Inout => AccessKind::ReadWrite,
     }
 }
 
 /// The access of an attribute to the ids: an `in` parameter is sent by the client (language reference, 11.1).
-fn attribute_access(dir: ParamDir) -> Access {
+fn attribute_access(dir: ParamDir) -> AccessKind {
     match dir {
-        ParamDir::In | ParamDir::Local => Access::Write,
-        ParamDir::Out => Access::Read,
-        ParamDir::Inout => Access::ReadWrite,
+        ParamDir::In | ParamDir::Local => AccessKind::Write,
+        ParamDir::Out => AccessKind::Read,
+        ParamDir::Inout => AccessKind::ReadWrite,
     }
 }
 
@@ -78,7 +79,7 @@ struct PathParts<'a> {
     first: &'a Name,
     rest: &'a [PathStep],
     rename: Option<&'a Name>,
-    access: Access,
+    access: AccessKind,
     at: Src,
 }
 
@@ -316,7 +317,7 @@ impl<'a> Elaborator<'a> {
         index: u32,
         decl: &'a ParamDecl,
         rename: &'a Name,
-        access: Access,
+        access: AccessKind,
     ) -> Option<Param> {
         let at = self.src(decl.ptr);
         let Some(ids) = self.spec.components[index as usize].ids else {
@@ -324,7 +325,7 @@ impl<'a> Elaborator<'a> {
             return None;
         };
         if let Some(def) = self.type_defs[ids.0 as usize] {
-            self.refer_as(self.src(rename.ptr), def, access, false);
+            self.refer_as(self.src(rename.ptr), def, access);
         }
         Some(Param {
             name: rename.text.clone(),
@@ -342,7 +343,7 @@ impl<'a> Elaborator<'a> {
         let ids = self.spec.components[index as usize].ids?;
         self.refer_target(index, None, Target::Ids(member), written);
         let mut path = vec![PathElement::Member(written.first.text.clone())];
-        let ty = self.walk(self.value_type(member), written, &mut path)?;
+        let ty = self.walk(self.spec.member_type(member), written, &mut path)?;
         let last = written.rest.iter().rev().find_map(|step| match step {
             PathStep::Member(name) => Some(name),
             PathStep::Index(_) => None,
@@ -467,7 +468,7 @@ impl<'a> Elaborator<'a> {
     ) {
         if let Some(def) = self.target_def(index, service, target) {
             let at = self.src(written.first.ptr);
-            self.refer_as(at, def, written.access, false);
+            self.refer_as(at, def, written.access);
         }
     }
 
@@ -481,13 +482,5 @@ impl<'a> Elaborator<'a> {
             self.define(DefKind::CodelParameter, &rename.text, at, written.at, None);
         }
         rename.text.clone()
-    }
-
-    /// The type of a member, or the type itself.
-    fn value_type(&self, ty: TypeId) -> TypeId {
-        match self.spec.ty(ty).kind {
-            TypeKind::StructMember { ty } | TypeKind::UnionMember { ty, .. } => ty,
-            _ => ty,
-        }
     }
 }

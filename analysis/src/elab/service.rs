@@ -5,7 +5,7 @@ use rustc_hash::FxHashMap;
 use smol_str::SmolStr;
 
 use super::{
-    Access, DefId, DefKind, Entity,
+    AccessKind, DefId, DefKind, Entity,
     context::Elaborator,
     property::{self, keyword, union},
     signature::NewParam,
@@ -52,7 +52,7 @@ impl<'a> Elaborator<'a> {
         let known = self.components[index as usize].service_by_name.get(&name.text).copied();
         let service = if let Some(service) = known {
             let def = self.components[index as usize].services[service as usize].def;
-            self.refer_as(at, def, Access::None, true);
+            self.refer_as(at, def, AccessKind::Declaration);
             if !self.check_kind(index, service, decl.kind, at) {
                 return;
             }

@@ -1,7 +1,9 @@
 //! The parameters and local variables of services, and the comparison of repeated declarations (language
 //! reference, section 11.4).
 
-use super::{Access, DefId, DefKind, Entity, context::Elaborator, param::dir_text, types, words};
+use super::{
+    AccessKind, DefId, DefKind, Entity, context::Elaborator, param::dir_text, types, words,
+};
 use crate::finding::role::Role;
 use crate::{
     finding::{Finding, services::DeclarationProblem},
@@ -152,7 +154,7 @@ impl<'a> Elaborator<'a> {
             if known.is_some_and(|param| param.name == new.param.name)
                 && let Some(&def) = self.components[c].services[s].params.get(position)
             {
-                self.refer_as(new.name_src, def, Access::None, true);
+                self.refer_as(new.name_src, def, AccessKind::Declaration);
             }
         }
         let params: Vec<&Param> = params.iter().map(|param| &param.param).collect();
@@ -298,7 +300,7 @@ impl<'a> Elaborator<'a> {
             self.report(Finding::new(kind, src).related(place, Role::Earlier));
         }
         if let Some(def) = def {
-            self.refer_as(src, def, Access::None, true);
+            self.refer_as(src, def, AccessKind::Declaration);
         }
     }
 }

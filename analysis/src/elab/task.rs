@@ -5,7 +5,7 @@ use num_rational::Ratio;
 use rustc_hash::FxHashMap;
 
 use super::{
-    Access, DefId, DefKind, Entity,
+    AccessKind, DefId, DefKind, Entity,
     context::Elaborator,
     property::{self, keyword, union},
     state::TaskState,
@@ -23,7 +23,7 @@ impl<'a> Elaborator<'a> {
         let known = self.components[index as usize].task_by_name.get(&name.text);
         let task = if let Some(task) = known.copied() {
             let def = self.components[index as usize].tasks[task as usize].def;
-            self.refer_as(at, def, Access::None, true);
+            self.refer_as(at, def, AccessKind::Declaration);
             if self.spec.release.has(Change::ReopenedTaskPlaces) {
                 self.spec.components[index as usize].tasks[task as usize].src = at;
             }

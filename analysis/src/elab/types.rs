@@ -412,32 +412,10 @@ pub(crate) fn has_native(spec: &Spec, ty: TypeId) -> bool {
 
 /// The name of a type in messages.
 pub(crate) fn display(spec: &Spec, ty: TypeId) -> String {
-    let data = spec.ty(ty);
-    match &data.kind {
-        TypeKind::StructMember { ty } | TypeKind::UnionMember { ty, .. } => display(spec, *ty),
-        kind => match (&data.name, kind) {
-            (Some(name), _) => name.to_string(),
-            (None, TypeKind::Array { element, length }) => {
-                let mut element = *element;
-                let mut dimensions = format!("[{length}]");
-                while let (None, TypeKind::Array { element: inner, length }) =
-                    (&spec.ty(element).name, &spec.ty(element).kind)
-                {
-                    dimensions.push_str(&format!("[{length}]"));
-                    element = *inner;
-                }
-                display(spec, element) + &dimensions
-            }
-            (None, TypeKind::Sequence { element, bound }) => match bound {
-                Some(bound) => format!("sequence<{}, {bound}>", display(spec, *element)),
-                None => format!("sequence<{}>", display(spec, *element)),
-            },
-            (None, TypeKind::Optional { element }) => {
-                format!("optional<{}>", display(spec, *element))
-            }
-            (None, TypeKind::String { bound: Some(bound) }) => format!("string<{bound}>"),
-            (None, kind) => kind.word().to_owned(),
-        },
+    let ty = spec.member_type(ty);
+    match &spec.ty(ty).name {
+        Some(name) => name.to_string(),
+        None => spec.composed_text(ty, ", ", &|part| display(spec, part)),
     }
 }
 

@@ -4,10 +4,9 @@ use std::fmt;
 
 use dotgen_syntax::findings;
 
-use super::codels::OwnerName;
 use crate::{
     fixes::{FixSite, TextFix},
-    model::{Name, Seconds},
+    model::{Name, OwnerName, Seconds},
 };
 
 /// A codel and its owner.

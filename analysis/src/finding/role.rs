@@ -4,9 +4,8 @@ use std::fmt;
 
 use smol_str::SmolStr;
 
-use super::codels::OwnerName;
 use super::lints::{CodelName, Share};
-use crate::model::Name;
+use crate::model::{Name, OwnerName};
 
 /// The role of a related place.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]

@@ -177,7 +177,7 @@ fn mention(view: &FileView<'_>, component: &Component, from: u32, to: &str) -> O
     let node = elaborated.definitions.iter().find(|definition| definition.src == from.src)?.node;
     let (file, range) = view.place(node)?;
     let mut inside = elaborated.references.iter().filter(|reference| {
-        !reference.declaration
+        !reference.is_declaration()
             && elaborated.definition(reference.target).name == to
             && view
                 .place(reference.at)
@@ -187,9 +187,8 @@ fn mention(view: &FileView<'_>, component: &Component, from: u32, to: &str) -> O
 }
 
 fn find_owner(component: &Component, key: &CallKey) -> Option<Owner> {
-    component.owners().find(|owner| match owner {
-        Owner::Task(i) => key.task && component.tasks[*i as usize].name == key.owner,
-        Owner::Service(i) => !key.task && component.services[*i as usize].name == key.owner,
+    component.owners().find(|&owner| {
+        matches!(owner, Owner::Task(_)) == key.task && *component.owner_name(owner) == key.owner
     })
 }
 

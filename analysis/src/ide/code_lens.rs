@@ -11,7 +11,7 @@ use smol_str::SmolStr;
 use super::{AccessKind, FileRange, FileView, inlay_hints::is_machine, references::references};
 use crate::{
     elab::{DefKind, Definition, Elaborated, Entity},
-    model::{Owner, Param, ParamDir, ParamSource, PathElement, ServiceKind},
+    model::{Owner, Param, ParamSource, PathElement, ServiceKind},
     source_map::bytes,
 };
 
@@ -215,12 +215,9 @@ fn accesses(elaborated: &Elaborated, definition: &Definition) -> Accesses {
         _ => false,
     };
     for at in component.all_codels() {
-        let name = match at.owner {
-            Owner::Task(task) => &component.tasks[task as usize].name,
-            Owner::Service(service) => &component.services[service as usize].name,
-        };
+        let name = component.owner_name(at.owner);
         for param in component.codel(at).params.iter().filter(|param| concerns(param)) {
-            let (reads, writes) = directions(param.dir);
+            let (reads, writes) = param.dir.flow();
             out.add(name, writes, reads);
         }
     }
@@ -228,33 +225,19 @@ fn accesses(elaborated: &Elaborated, definition: &Definition) -> Accesses {
     let services = component.services.iter();
     for service in services.filter(|service| service.kind == ServiceKind::Attribute) {
         for param in service.params.iter().filter(|param| concerns(param)) {
-            let (given, returned) = directions(param.dir);
+            let (given, returned) = param.dir.flow();
             out.add(&service.name, given, returned);
         }
     }
     out
 }
 
-/// Returns true for input, and true for output.
-fn directions(dir: ParamDir) -> (bool, bool) {
-    match dir {
-        ParamDir::In => (true, false),
-        ParamDir::Out => (false, true),
-        _ => (true, true),
-    }
-}
-
 /// The component around a definition.
 fn home(elaborated: &Elaborated, definition: &Definition) -> Option<u32> {
-    let mut container = definition.container;
-    while let Some(id) = container {
-        let around = elaborated.definition(id);
-        if let Some(Entity::Component(component)) = around.entity {
-            return Some(component);
-        }
-        container = around.container;
-    }
-    None
+    elaborated.containers(definition).find_map(|around| match around.entity {
+        Some(Entity::Component(component)) => Some(component),
+        _ => None,
+    })
 }
 
 /// The text of a lens of a file; `None` if its declaration no longer exists.

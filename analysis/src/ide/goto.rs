@@ -94,7 +94,7 @@ fn first_declaration(view: &FileView<'_>, id: DefId) -> Option<NavTarget> {
     let definition = view.elaborated().definition(id);
     let declarations = view.elaborated().references.iter();
     let first = declarations
-        .filter(|declaration| declaration.declaration && declaration.target == id)
+        .filter(|declaration| declaration.is_declaration() && declaration.target == id)
         .map(|declaration| declaration.at)
         .chain(std::iter::once(definition.src))
         .min_by_key(|declaration| (declaration.visit, declaration.item, declaration.node))?;

@@ -95,7 +95,7 @@ fn completions(
         }
         let declared = elaborated.references.iter().filter(|reference| {
             reference.target == definition.id
-                && reference.declaration
+                && reference.is_declaration()
                 && reference.component == Some(number)
         });
         let before = out.len();

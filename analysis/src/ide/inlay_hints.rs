@@ -184,20 +184,15 @@ impl Hints<'_, '_> {
         let references = elaborated.references.iter();
         let foreign = references.filter(|reference| {
             let target = elaborated.definition(reference.target);
-            let mut home = target.container;
-            while let Some(container) = home.map(|home| elaborated.definition(home)) {
-                if matches!(container.kind, DefKind::Component | DefKind::Interface) {
-                    break;
-                }
-                home = container.container;
-            }
-            let home = home.map(|home| &elaborated.definition(home).name);
+            let mut around = elaborated.containers(target);
+            let home =
+                around.find(|def| matches!(def.kind, DefKind::Component | DefKind::Interface));
             reference.component == Some(number)
                 && matches!(
                     target.kind,
                     DefKind::IdsMember | DefKind::Port | DefKind::Parameter | DefKind::Local
                 )
-                && home.is_some_and(|home| *home != component.name)
+                && home.is_some_and(|home| home.name != component.name)
         });
         foreign.filter_map(|reference| Some(self.place(reference.at)?.start)).collect()
     }

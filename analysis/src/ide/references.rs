@@ -107,11 +107,7 @@ fn named(db: &dyn Db, unit: UnitKey<'_>, wanted: &[Identity], count: usize) -> V
     let declared = declared.filter_map(|definition| at(definition.src, AccessKind::Declaration));
     let used = elaborated.references.iter();
     let used = used.filter(|reference| ids.contains(&reference.target));
-    let used = used.filter_map(|reference| {
-        let access =
-            if reference.declaration { AccessKind::Declaration } else { reference.access.into() };
-        at(reference.at, access)
-    });
+    let used = used.filter_map(|reference| at(reference.at, reference.access));
     declared.chain(used).collect()
 }
 

@@ -3,7 +3,7 @@
 use dotgen_syntax::{SyntaxKind, SyntaxNode, SyntaxToken};
 
 use super::FileView;
-use crate::model::{Spec, Type, TypeId, TypeKind, Value};
+use crate::model::{Spec, TypeId, TypeKind, Value};
 
 /// Maximum number of displayed lines of a declaration.
 const MAX_LINES: usize = 24;
@@ -168,35 +168,13 @@ pub(crate) fn value(spec: &Spec, value: &Value) -> String {
 
 /// A type with the full names of all types in it, `pose::state[4]`.
 pub(crate) fn type_text(spec: &Spec, id: TypeId) -> String {
-    let Some(ty) = spec.types.get(id.0 as usize) else {
+    if spec.types.get(id.0 as usize).is_none() {
         return String::new();
-    };
-    match &ty.kind {
-        TypeKind::StructMember { ty } | TypeKind::UnionMember { ty, .. } => type_text(spec, *ty),
-        _ if ty.name.is_some() => {
-            let full = spec.full_name(id).unwrap_or_default();
-            full.strip_prefix("::").unwrap_or(&full).to_owned()
-        }
-        TypeKind::Array { .. } => {
-            let (mut element, mut dimensions) = (id, String::new());
-            while let Some(Type {
-                kind: TypeKind::Array { element: inner, length },
-                name: None,
-                ..
-            }) = spec.types.get(element.0 as usize)
-            {
-                dimensions += &format!("[{length}]");
-                element = *inner;
-            }
-            type_text(spec, element) + &dimensions
-        }
-        TypeKind::Sequence { element, bound } => match bound {
-            Some(bound) => format!("sequence<{}, {bound}>", type_text(spec, *element)),
-            None => format!("sequence<{}>", type_text(spec, *element)),
-        },
-        TypeKind::Optional { element } => format!("optional<{}>", type_text(spec, *element)),
-        TypeKind::String { bound: Some(bound) } => format!("string<{bound}>"),
-        kind => kind.word().to_owned(),
+    }
+    let id = spec.member_type(id);
+    match spec.full_name(id) {
+        Some(full) => full.trim_start_matches("::").to_owned(),
+        None => spec.composed_text(id, ", ", &|part| type_text(spec, part)),
     }
 }
 

@@ -14,9 +14,10 @@ use super::{
 use crate::{
     base::{Db, SourceFile},
     elab::{DefId, Definition, Elaborated},
+    parallel,
     queries::{elaborate, elaborated},
     source_map::{bytes, offset},
-    unit::{UnitKey, define},
+    unit::{UnitKey, define, roots_of, unit_of_root},
 };
 
 /// The target of a name.
@@ -57,15 +58,7 @@ pub(crate) fn occurrences<'db>(
     }
     for reference in &elaborated.references {
         if let Some(range) = here(reference.at) {
-            out.push(Occurrence {
-                range,
-                target: reference.target,
-                access: if reference.declaration {
-                    AccessKind::Declaration
-                } else {
-                    reference.access.into()
-                },
-            });
+            out.push(Occurrence { range, target: reference.target, access: reference.access });
         }
     }
     out.sort_by_key(|occurrence| {
@@ -263,4 +256,22 @@ pub(crate) fn elaborated_of_many<'db>(
     count: usize,
 ) -> Arc<Elaborated> {
     if count > MANY { Arc::new(elaborate(db, unit)) } else { elaborated(db, unit).clone() }
+}
+
+/// The declarations that `of` finds in each unit of the workspace. Those of a file that is included elsewhere
+/// are found there. A large workspace is searched without keeping what was computed.
+pub(super) fn over_units<T: Send>(
+    db: &dyn Db,
+    of: impl Fn(&dyn Db, UnitKey<'_>, &Elaborated) -> Vec<T> + Sync,
+) -> Vec<T> {
+    let paths = db.workspace().roots(db);
+    let roots: Vec<SourceFile> = paths.iter().map(|path| db.file(path)).collect();
+    let found = parallel::over(db, &roots, |db, &root| {
+        if roots_of(db, root).first() != Some(&root) {
+            return Vec::new();
+        }
+        let unit = unit_of_root(db, root);
+        of(db, unit, &elaborated_of_many(db, unit, roots.len()))
+    });
+    found.into_iter().flatten().collect()
 }

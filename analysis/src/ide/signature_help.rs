@@ -8,6 +8,7 @@ use super::{
     context::{Context, FrameKind, Surroundings, Word, surroundings},
     render,
 };
+use crate::elab::dir_text;
 use crate::model::{Codel, Param, ParamDir, ParamSource, Spec};
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -152,12 +153,7 @@ fn known_codel<'s>(spec: &'s Spec, name: &Word) -> Option<&'s Codel> {
 }
 
 fn parameter(spec: &Spec, param: &Param, source: bool) -> String {
-    let dir = match param.dir {
-        ParamDir::Local => "local",
-        ParamDir::In => "in",
-        ParamDir::Out => "out",
-        ParamDir::Inout => "inout",
-    };
+    let dir = dir_text(param.dir);
     let source = match param.source {
         _ if !source => "",
         ParamSource::Ids => "ids ",

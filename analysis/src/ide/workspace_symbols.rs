@@ -7,15 +7,14 @@ use smol_str::SmolStr;
 
 use super::{
     FileRange, WorkspaceSymbol,
-    resolve::{container_name, elaborated_of_many},
+    resolve::{container_name, over_units},
     view::place,
 };
 use crate::{
-    base::{Db, SourceFile},
-    elab::DefKind,
-    parallel,
+    base::Db,
+    elab::{DefKind, Elaborated},
     source_map::bytes,
-    unit::{roots_of, unit_of_root},
+    unit::UnitKey,
 };
 
 /// A declaration and how well it matches, as it is sorted.
@@ -23,21 +22,12 @@ type Ranked = (Reverse<u8>, SmolStr, WorkspaceSymbol);
 
 /// The best `limit` declarations that match a query.
 pub(crate) fn workspace_symbols(db: &dyn Db, query: &str, limit: usize) -> Vec<WorkspaceSymbol> {
-    let workspace = db.workspace();
-    let paths = workspace.roots(db);
-    let roots: Vec<SourceFile> = paths.iter().map(|path| db.file(path)).collect();
-    let found = parallel::over(db, &roots, |db, &root| {
-        // A file that is included elsewhere is listed there.
-        if roots_of(db, root).first() == Some(&root) {
-            let mut found = of_unit(db, root, query, roots.len());
-            best(&mut found, limit);
-            found
-        } else {
-            Vec::new()
-        }
+    let mut found = over_units(db, |db, unit, elaborated| {
+        let mut found = of_unit(db, unit, elaborated, query);
+        best(&mut found, limit);
+        found
     });
     let mut seen = FxHashSet::default();
-    let mut found: Vec<Ranked> = found.into_iter().flatten().collect();
     found.retain(|(.., symbol)| {
         let place = &symbol.target;
         seen.insert((place.path.clone(), place.range.clone(), symbol.name.clone()))
@@ -53,11 +43,8 @@ fn best(found: &mut Vec<Ranked>, limit: usize) {
     found.truncate(limit);
 }
 
-/// The declarations of the unit of one of `count` roots that match a query. A large workspace is searched
-/// without keeping what was computed.
-fn of_unit(db: &dyn Db, root: SourceFile, query: &str, count: usize) -> Vec<Ranked> {
-    let unit = unit_of_root(db, root);
-    let elaborated = elaborated_of_many(db, unit, count);
+/// The declarations of a unit that match a query.
+fn of_unit(db: &dyn Db, unit: UnitKey<'_>, elaborated: &Elaborated, query: &str) -> Vec<Ranked> {
     let mut found = Vec::new();
     for definition in elaborated.definitions.iter().filter(|definition| is_listed(definition.kind))
     {

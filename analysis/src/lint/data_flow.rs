@@ -2,8 +2,7 @@
 
 use crate::finding::role::Role;
 use crate::model::{
-    CodelKind, CodelRef, Name, Owner, ParamDir, ParamSource, PathElement, PortDir, ServiceKind,
-    Src, TypeKind,
+    CodelKind, CodelRef, Name, Owner, ParamSource, PathElement, PortDir, ServiceKind, Src, TypeKind,
 };
 
 use super::Lint;
@@ -53,7 +52,7 @@ fn uses(lint: &Lint) -> Vec<DataAccess> {
                 _ => continue,
             };
             // `in` on an output port reads back the written value.
-            let (reads, writes) = directions(param.dir);
+            let (reads, writes) = param.dir.flow();
             out.push(DataAccess { what, reads, writes, at: param.src, by: Accessor::Codel(codel) });
         }
     }
@@ -61,7 +60,7 @@ fn uses(lint: &Lint) -> Vec<DataAccess> {
         if service.kind == ServiceKind::Attribute {
             for param in &service.params {
                 // Relative to the ids: an `in` attribute sets, an `out` attribute gets.
-                let (writes, reads) = directions(param.dir);
+                let (writes, reads) = param.dir.flow();
                 let what = AccessedData::Ids(member(&param.path));
                 out.push(DataAccess {
                     what,
@@ -74,10 +73,6 @@ fn uses(lint: &Lint) -> Vec<DataAccess> {
         }
     }
     out
-}
-
-fn directions(dir: ParamDir) -> (bool, bool) {
-    (matches!(dir, ParamDir::In | ParamDir::Inout), matches!(dir, ParamDir::Out | ParamDir::Inout))
 }
 
 fn member(path: &[PathElement]) -> Option<String> {

@@ -12,7 +12,7 @@ use super::Lint;
 
 pub(super) fn check(lint: &mut Lint) {
     let interrupters = interrupters(lint.component);
-    for owner in lint.owners() {
+    for owner in lint.component.owners() {
         let machine = Machine::new(lint.component.codels_of(owner));
         if !machine.is_empty() {
             loops(lint, owner, &machine);
@@ -56,10 +56,7 @@ fn names_of_events(lint: &mut Lint) {
     for at in component.all_codels() {
         let codel = component.codel(at);
         if let Some(state) = event(&codel.name) {
-            let owner = match at.owner {
-                Owner::Task(task) => &component.tasks[task as usize].name,
-                Owner::Service(service) => &component.services[service as usize].name,
-            };
+            let owner = component.owner_name(at.owner);
             let mut free = format!("{prefix}{owner}_{}", &codel.name[prefix.len()..]);
             while event(&free).is_some() || codels().any(|other| *other.name == *free) {
                 free.push('_');

@@ -15,7 +15,7 @@ pub(super) fn check(lint: &mut Lint) {
     if timed || lint.config.always_missing_wcet {
         missing_wcet(lint);
     }
-    for owner in lint.owners() {
+    for owner in lint.component.owners() {
         wcet_exceeds_period(lint, owner);
     }
     if timed {
@@ -27,7 +27,7 @@ pub(super) fn check(lint: &mut Lint) {
 
 /// `timing/missing-wcet`: one finding at each codel.
 fn missing_wcet(lint: &mut Lint) {
-    for owner in lint.owners() {
+    for owner in lint.component.owners() {
         for codel in lint.component.codels_of(owner).iter().filter(|codel| codel.wcet.is_none()) {
             lint.report(codel.src, LintWarning::MissingWcet { codel: codel.name.clone() });
         }

@@ -11,7 +11,7 @@ use crate::model::TypeKind;
 /// for other units.
 pub fn unused(unit: &Elaborated, is_root: impl Fn(u32) -> bool) -> Vec<Finding> {
     let used: FxHashSet<u32> =
-        unit.references.iter().filter(|r| !r.declaration).map(|r| r.target.0).collect();
+        unit.references.iter().filter(|r| !r.is_declaration()).map(|r| r.target.0).collect();
     let mut out = Vec::new();
     for definition in &unit.definitions {
         let name = definition.name.clone();

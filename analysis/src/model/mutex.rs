@@ -4,8 +4,7 @@
 //! (reference manual, "Codel mutual exclusion"; language reference, section 14).
 
 use super::{
-    Codel, CodelKind, CodelRef, Component, Owner, Param, ParamDir, ParamSource, PathElement,
-    ServiceKind, Spec,
+    Codel, CodelKind, CodelRef, Component, Owner, Param, ParamDir, ParamSource, PathElement, Spec,
 };
 use crate::phrase::Phrase;
 
@@ -162,22 +161,6 @@ pub fn service_exclusions(spec: &Spec, component: &Component, service: u32) -> V
         }
     }
     found
-}
-
-/// For messages: ``task `t` ``, ``activity `a` ``.
-pub(crate) fn describe_owner(component: &Component, owner: Owner) -> String {
-    match owner {
-        Owner::Task(task) => format!("task `{}`", component.tasks[task as usize].name),
-        Owner::Service(index) => {
-            let service = &component.services[index as usize];
-            let word = match service.kind {
-                ServiceKind::Attribute => "attribute",
-                ServiceKind::Function => "function",
-                ServiceKind::Activity => "activity",
-            };
-            format!("{word} `{}`", service.name)
-        }
-    }
 }
 
 /// Returns true if a service interrupts the service that a codel belongs to.

@@ -3,9 +3,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::{
-    CodelRef, Component, ComponentKind, ParamSource, PortDir, Spec, TypeId, mutex::describe_owner,
-};
+use super::{CodelRef, Component, ComponentKind, OwnerName, ParamSource, PortDir, Spec, TypeId};
 
 /// A component of a system, with the specification it belongs to.
 #[derive(Debug, Clone, Copy)]
@@ -187,7 +185,7 @@ impl<'a> System<'a> {
         format!(
             "`{}` of {} of `{}` (port `{}`)",
             component.codel(exclusion.codel).name,
-            describe_owner(component, exclusion.codel.owner),
+            OwnerName::of(component, exclusion.codel.owner),
             component.name,
             self.port_name(exclusion.port)
         )

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Name, Src};
+use super::{Name, Spec, Src};
 
 /// Index into `Spec::types`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -225,3 +225,44 @@ impl Value {
     }
 }
 impl Eq for Value {}
+
+impl Spec {
+    /// The type of a member, or the type itself.
+    pub fn member_type(&self, id: TypeId) -> TypeId {
+        match self.ty(id).kind {
+            TypeKind::StructMember { ty } | TypeKind::UnionMember { ty, .. } => ty,
+            _ => id,
+        }
+    }
+
+    /// The text of a type without a name, with `text` for the types in it.
+    pub(crate) fn composed_text(
+        &self,
+        id: TypeId,
+        comma: &str,
+        text: &dyn Fn(TypeId) -> String,
+    ) -> String {
+        match &self.ty(id).kind {
+            TypeKind::Array { .. } => {
+                let (mut element, mut dimensions) = (id, String::new());
+                while let Type {
+                    kind: TypeKind::Array { element: inner, length },
+                    name: None,
+                    ..
+                } = self.ty(element)
+                {
+                    dimensions += &format!("[{length}]");
+                    element = *inner;
+                }
+                text(element) + &dimensions
+            }
+            TypeKind::Sequence { element, bound: Some(bound) } => {
+                format!("sequence<{}{comma}{bound}>", text(*element))
+            }
+            TypeKind::Sequence { element, bound: None } => format!("sequence<{}>", text(*element)),
+            TypeKind::Optional { element } => format!("optional<{}>", text(*element)),
+            TypeKind::String { bound: Some(bound) } => format!("string<{bound}>"),
+            kind => kind.word().to_owned(),
+        }
+    }
+}

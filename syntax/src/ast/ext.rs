@@ -7,22 +7,18 @@ use crate::{
     SyntaxKind::{self, *},
     SyntaxNode, SyntaxToken, TextRange,
     ast::{
-        AstNode, BaseType, BinaryExpr, Body, Codel, CodelProperty, Component, ConstDecl,
-        Declarator, Directive, Enum, Enumerator, Exception, Expr, ForwardDecl, HasBody, HasName,
-        Ids, IncludePath, Literal, Module, Name, NameRef, NativeDecl, Path, PathParam, Port,
+        AstNode, BaseType, BinaryExpr, Body, CodelProperty, Component, Directive, Exception, Expr,
+        HasBody, Ids, IncludePath, Literal, Module, Name, NameRef, Path, PathParam, Port,
         PragmaArg, PrefixExpr, Property, Quantity, Service, State, Struct, Task, TypedParam, Union,
         Wcet,
     },
     fragment::Fragment,
 };
 
-macro_rules! impl_trait {
-    ($name:ident for $($node:ident),*) => { $(impl $name for $node {})* };
+macro_rules! have_body {
+    ($($node:ident),*) => { $(impl HasBody for $node {})* };
 }
-impl_trait!(HasName for Module, Component, ConstDecl, NativeDecl, Exception, Struct, Union,
-    Enum, Enumerator, Declarator, Task, Port, Service, Codel,
-    ForwardDecl);
-impl_trait!(HasBody for Module, Component, Exception, Struct, Union, Ids, Task, Port, Service);
+have_body!(Module, Component, Exception, Struct, Union, Ids, Task, Port, Service);
 
 impl Name {
     /// The name, after macro expansion; empty in a broken tree.

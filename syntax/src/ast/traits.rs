@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use crate::{
     SyntaxKind, SyntaxNode,
-    ast::{Body, Item, Name},
+    ast::{Body, Item},
 };
 
 /// A node of a known kind: a thin wrapper without a cost at run time.
@@ -80,14 +80,6 @@ impl<N: AstNode> Iterator for AstChildren<N> {
 
     fn next(&mut self) -> Option<N> {
         self.inner.by_ref().find_map(N::cast)
-    }
-}
-
-/// A declaration with a name of its own.
-pub trait HasName: AstNode {
-    /// The declared name; absent when it is missing in the text.
-    fn name(&self) -> Option<Name> {
-        support::child(self.syntax())
     }
 }
 

@@ -37,10 +37,10 @@ impl<'a> Elaborator<'a> {
                     };
                     if let Some(def) = self.type_defs[member.0 as usize] {
                         let at = self.src(name.ptr);
-                        self.refer_as(at, def, written.access, false);
+                        self.refer_as(at, def, written.access);
                     }
                     path.push(PathElement::Member(name.text.clone()));
-                    ty = self.value_type(member);
+                    ty = self.spec.member_type(member);
                 }
                 PathStep::Index(expr) => {
                     let number = self.non_negative_integer(expr, "index")?;

@@ -105,18 +105,7 @@ fn mentions_constants(cx: &Cx<'_, '_>, params: &ast::ParamList, component: &str)
             file == cx.view.file && range.start <= place.start && place.end <= range.end
         });
         here && matches!(target.kind, DefKind::Const | DefKind::Enumerator)
-            && target.container.is_some_and(|definition| {
-                let mut container = Some(definition);
-                while let Some(around) =
-                    container.map(|definition| elaborated.definition(definition))
-                {
-                    if around.name == component {
-                        return true;
-                    }
-                    container = around.container;
-                }
-                false
-            })
+            && elaborated.containers(target).any(|around| around.name == component)
     })
 }
 

@@ -4,7 +4,7 @@ use dotgen_syntax::ast::{self, AstNode};
 
 use super::{Assist, AssistKind, Cx};
 use crate::{
-    elab::DefKind,
+    elab::{DefKind, dir_text},
     ide::{
         render,
         resolve::{Target, targets_at},
@@ -64,7 +64,7 @@ fn completion(spec: &Spec, service: &Service, task: Option<&str>) -> Option<Stri
     let params = params?.join(", ");
     let uses: Vec<String> = declared
         .iter()
-        .map(|param| format!("local {} {}", direction(param.dir), param.name))
+        .map(|param| format!("local {} {}", dir_text(param.dir), param.name))
         .collect();
     let uses = uses.join(", ");
     match service.kind {
@@ -97,14 +97,6 @@ fn completion(spec: &Spec, service: &Service, task: Option<&str>) -> Option<Stri
     }
 }
 
-fn direction(dir: ParamDir) -> &'static str {
-    match dir {
-        ParamDir::Out => "out",
-        ParamDir::Inout => "inout",
-        ParamDir::In | ParamDir::Local => "in",
-    }
-}
-
 /// `in m::t name[2]`
 fn declaration(spec: &Spec, param: &Param) -> Option<String> {
     let (mut ty, mut dimensions): (TypeId, String) = (param.ty, String::new());
@@ -120,7 +112,7 @@ fn declaration(spec: &Spec, param: &Param) -> Option<String> {
         }
     }
     let ty = render::type_text(spec, ty);
-    Some(format!("{} {ty} {}{dimensions}", direction(param.dir), param.name))
+    Some(format!("{} {ty} {}{dimensions}", dir_text(param.dir), param.name))
 }
 
 #[cfg(test)]

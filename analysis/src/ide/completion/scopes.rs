@@ -16,17 +16,13 @@ pub(super) fn outer_scope(view: &FileView<'_>, elaborated: &Elaborated) -> Vec<D
         view.place(definition.src).is_some_and(|(file, _)| file == view.file)
     };
     let first = elaborated.definitions.iter().find(here);
-    let mut chain = Vec::new();
-    let mut next = first.and_then(|definition| definition.container);
-    while let Some(id) = next {
-        let definition = elaborated.definition(id);
-        if opens_scope(definition.kind)
+    let around = first.into_iter().flat_map(|definition| elaborated.containers(definition));
+    let outside = around.filter(|definition| {
+        opens_scope(definition.kind)
             && view.place(definition.src).is_none_or(|(file, _)| file != view.file)
-        {
-            chain.insert(0, id);
-        }
-        next = definition.container;
-    }
+    });
+    let mut chain: Vec<DefId> = outside.map(|definition| definition.id).collect();
+    chain.reverse();
     chain
 }
 
@@ -58,15 +54,10 @@ pub(super) fn opens_scope(kind: DefKind) -> bool {
 
 /// The path by which a definition is found from the global scope.
 pub(super) fn full_path(elaborated: &Elaborated, definition: &Definition) -> Vec<SmolStr> {
-    let mut path = vec![definition.name.clone()];
-    let mut next = definition.container;
-    while let Some(id) = next {
-        let container = elaborated.definition(id);
-        // Enumerators are in the scope of their enum.
-        if container.kind != DefKind::Enum {
-            path.insert(0, container.name.clone());
-        }
-        next = container.container;
-    }
+    // Enumerators are in the scope of their enum.
+    let around = elaborated.containers(definition).filter(|around| around.kind != DefKind::Enum);
+    let mut path: Vec<SmolStr> =
+        std::iter::once(definition).chain(around).map(|part| part.name.clone()).collect();
+    path.reverse();
     path
 }

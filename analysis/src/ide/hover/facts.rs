@@ -4,9 +4,9 @@
 use crate::{
     elab::{DefKind, Definition, Elaborated},
     model::{
-        Codel, CodelKind, CodelRef, Component, Owner, Seconds, ServiceList, Spec, State,
+        Codel, CodelKind, CodelRef, Component, Owner, OwnerName, Seconds, ServiceList, Spec, State,
         fsm::Machine,
-        mutex::{self, Excluded, describe_owner},
+        mutex::{self, Excluded},
         system,
     },
     quantity,
@@ -45,11 +45,8 @@ pub(super) fn facts(
         _ => Vec::new(),
     };
     if let Some((is_task, name)) = owner {
-        let is_it = |owner: Owner| match owner {
-            Owner::Task(task) => is_task && component.tasks[task as usize].name == name,
-            Owner::Service(service) => {
-                !is_task && component.services[service as usize].name == name
-            }
+        let is_it = |owner: Owner| {
+            matches!(owner, Owner::Task(_)) == is_task && *component.owner_name(owner) == name
         };
         lines.sort_by_key(|line| !line.owner.is_some_and(is_it));
     }
@@ -133,7 +130,7 @@ fn codel(spec: &Spec, component: &Component, name: &str) -> Vec<Fact> {
     let uses = component.all_codels();
     for usage in uses.filter(|usage| component.codel(*usage).name.as_str() == name) {
         let codel = component.codel(usage);
-        let owner = describe_owner(component, usage.owner);
+        let owner = OwnerName::of(component, usage.owner);
         let about = |text| Fact { owner: Some(usage.owner), text };
         if codel.kind == CodelKind::Fsm {
             let machine = Machine::new(component.codels_of(usage.owner));
@@ -236,7 +233,7 @@ fn state(component: &Component, name: &str) -> Vec<Fact> {
         if from.is_empty() && codel.is_none() {
             continue;
         }
-        let mut line = describe_owner(component, owner_index);
+        let mut line = OwnerName::of(component, owner_index).to_string();
         if !from.is_empty() {
             line += &format!(": from {}", listed(&from));
         }

@@ -24,7 +24,7 @@ pub(super) fn completion(view: &FileView<'_>, mention: TextRange, id: DefId) -> 
         .find(|reference| view.place(reference.at) == Some((view.file, mention)))?;
     let component = elaborated.spec.components.get(here.component? as usize)?;
     let own =
-        mentions.find(|mention| mention.declaration && mention.component == here.component)?;
+        mentions.find(|mention| mention.is_declaration() && mention.component == here.component)?;
 
     let (file, range) = view.place(own.at)?;
     let there = view_of(view, file)?;

@@ -4,7 +4,7 @@ use smol_str::SmolStr;
 
 use super::{NameCategory, Names};
 use crate::{
-    elab::{DefKind, convert::holds},
+    elab::{DefKind, convert::holds, types::resolve_aliases},
     ide::{
         completion::{CompletionItem, Completions},
         context::Word,
@@ -102,15 +102,7 @@ impl Names<'_, '_> {
 
     /// A type without aliases and optionals.
     pub(in crate::ide) fn value_type(&self, id: TypeId) -> TypeId {
-        let spec = self.spec();
-        let mut id = spec.resolve_alias(id);
-        for _ in 0..spec.types.len() {
-            match spec.ty(id).kind {
-                TypeKind::Optional { element } => id = spec.resolve_alias(element),
-                _ => break,
-            }
-        }
-        id
+        resolve_aliases(self.spec(), id)
     }
 
     fn same_type(&self, a: TypeId, b: TypeId) -> bool {
