@@ -11,13 +11,14 @@ pub(crate) mod trial;
 mod typos;
 
 pub(crate) use braces::missing_brace;
+pub(crate) use create::is_name;
 pub(crate) use includes::near_include;
 
 use camino::Utf8Path;
 
 use dotgen_syntax::{
     NodeOrToken, SyntaxElement, SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize,
-    ast::{self, AstNode},
+    ast::{self, AstNode, support},
 };
 
 use crate::{
@@ -26,7 +27,7 @@ use crate::{
     source_map::bytes,
     spelling::Spelling,
 };
-use range::{end_of, indent_of, starts_line, whole_lines, with_comma};
+use range::{end_of, indent_of, starts_line, whole_lines, with_comma, with_line_before};
 
 /// A fix within one file: its title, and replacements of ranges.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -38,6 +39,22 @@ pub(crate) struct TextFix {
 }
 
 impl TextFix {
+    /// A replacement that is a guess.
+    pub(crate) fn guess(
+        title: impl Into<String>,
+        range: TextRange,
+        text: impl Into<String>,
+    ) -> TextFix {
+        let edits = vec![(range, text.into())];
+        TextFix { kind: FixKind::Guess, title: title.into(), edits }
+    }
+
+    /// The fix with one more edit.
+    fn and(mut self, range: TextRange, text: String) -> TextFix {
+        self.edits.push((range, text));
+        self
+    }
+
     /// The fix as the only way to correct the finding.
     pub(crate) fn plain(self) -> TextFix {
         TextFix { kind: FixKind::Plain, ..self }
@@ -86,31 +103,20 @@ impl FixSite<'_> {
         let body = node.children().find_map(ast::Body::cast);
         let last = body.into_iter().flat_map(|body| body.syntax().children());
         let last = last.filter(|child| {
-            let mut tokens = child.children_with_tokens().filter_map(NodeOrToken::into_token);
-            let first = tokens.find(|token| !token.kind().is_trivia());
-            first.is_some_and(|token| words.contains(&token.text()))
+            support::first_text_token(child).is_some_and(|token| words.contains(&token.text()))
         });
         let Some(list) = last.last() else {
             return self.add_property(node, &format!("{} {item};", words[0]), title);
         };
-        let base = list.text_range().start();
-        let items = list.children().map(|child| {
-            let end = end_of(&child);
-            bytes(TextRange::new(child.text_range().start(), end) - base)
-        });
-        let edits = append_to_list(&list.text().to_string(), &items.collect::<Vec<_>>(), item);
-        let edits = edits.into_iter().filter_map(|(range, text)| {
-            let at = TextSize::try_from(range.start).ok()?;
-            Some((TextRange::empty(base + at), text))
-        });
-        Some(TextFix { kind: FixKind::Guess, title, edits: edits.collect() })
+        let edits = list_edits(&list, list.children(), item);
+        Some(TextFix { kind: FixKind::Guess, title, edits })
     }
 
     /// Adds a property at the end of the body of a declaration. Creates the body if there is none.
     fn add_property(&self, node: &SyntaxNode, property: &str, title: String) -> Option<TextFix> {
         let property = self.as_written(property);
         let outer = indent_of(node);
-        let edit = if let Some(body) = node.children().find_map(ast::Body::cast) {
+        let (at, text) = if let Some(body) = node.children().find_map(ast::Body::cast) {
             let last = body.syntax().children().last();
             match last {
                 // A body on one line stays on it.
@@ -136,7 +142,7 @@ impl FixSite<'_> {
                 format!(" {{\n{outer}  {property}\n{outer}}}"),
             )
         };
-        Some(TextFix { kind: FixKind::Guess, title, edits: vec![edit] })
+        Some(TextFix::guess(title, at, text))
     }
 
     fn token_at(&self, range: TextRange) -> Option<SyntaxToken> {
@@ -167,43 +173,33 @@ impl FixSite<'_> {
     }
 
     /// `Declare a codel for the state`: after the codel that yields it.
-    pub(crate) fn declare_state(&self, state: &str) -> Vec<TextFix> {
-        let found = || {
-            let codel: ast::CodelProperty = self.node(self.range)?;
-            let owner = self.owner_name(codel.syntax())?;
-            let indent = indent_of(codel.syntax());
-            let codel_name = self.free_codel(&format!("{owner}_{state}"));
-            let text = format!("\n{indent}codel<{state}> {codel_name}() yield ether;");
-            let text = self.as_written(&text);
-            Some(TextFix {
-                kind: FixKind::Choice,
-                title: format!("Declare a codel for the state `{state}`"),
-                edits: vec![(TextRange::empty(end_of(codel.syntax())), text)],
-            })
-        };
-        found().into_iter().collect()
+    pub(crate) fn declare_state(&self, state: &str) -> Option<TextFix> {
+        let codel: ast::CodelProperty = self.node(self.range)?;
+        let owner = self.owner_name(codel.syntax())?;
+        let indent = indent_of(codel.syntax());
+        let codel_name = self.free_codel(&format!("{owner}_{state}"));
+        let text = format!("\n{indent}codel<{state}> {codel_name}() yield ether;");
+        let title = format!("Declare a codel for the state `{state}`");
+        let at = TextRange::empty(end_of(codel.syntax()));
+        Some(TextFix::guess(title, at, self.as_written(&text)).choice())
     }
 
     /// `Throw it instead`: out of the states, into the `throw` of the task or service.
-    pub(crate) fn declare_throw(&self, path: &str) -> Vec<TextFix> {
-        let found = || {
-            let state = self.node::<ast::State>(self.range)?;
-            let yields = ast::Yields::cast(state.syntax().parent()?)?;
-            let left_out = match yields.states().count() {
-                // At least one state must follow.
-                1 => (state.syntax().text_range(), "ether".to_owned()),
-                _ => (with_comma(state.syntax()), String::new()),
-            };
-            let owner = state.syntax().ancestors().find(|ancestor| {
-                ast::Task::can_cast(ancestor.kind()) || ast::Service::can_cast(ancestor.kind())
-            })?;
-            let written = path.strip_prefix("::").unwrap_or(path);
-            let title = format!("Throw `{written}` instead of yielding it");
-            let mut fix = self.add_to_list(&owner, ["throw", "throws"], path, title)?;
-            fix.edits.push(left_out);
-            Some(fix.choice())
+    pub(crate) fn declare_throw(&self, path: &str) -> Option<TextFix> {
+        let state = self.node::<ast::State>(self.range)?;
+        let yields = ast::Yields::cast(state.syntax().parent()?)?;
+        let (left_out, instead) = match yields.states().count() {
+            // At least one state must follow.
+            1 => (state.syntax().text_range(), "ether".to_owned()),
+            _ => (with_comma(state.syntax()), String::new()),
         };
-        found().into_iter().collect()
+        let owner = state.syntax().ancestors().find(|ancestor| {
+            ast::Task::can_cast(ancestor.kind()) || ast::Service::can_cast(ancestor.kind())
+        })?;
+        let written = path.strip_prefix("::").unwrap_or(path);
+        let title = format!("Throw `{written}` instead of yielding it");
+        let fix = self.add_to_list(&owner, ["throw", "throws"], path, title)?;
+        Some(fix.and(left_out, instead).choice())
     }
 
     /// A piece of specification in the style of the file.
@@ -264,11 +260,8 @@ impl FixSite<'_> {
             let ways = pause.as_deref().into_iter().chain([state]);
             fixes.extend(ways.filter_map(|pause| add_yield(before.syntax(), pause)));
         }
-        fixes.push(TextFix {
-            kind: FixKind::Guess,
-            title: format!("Remove the codel `{name}`"),
-            edits: vec![(whole_lines(codel.syntax()), String::new())],
-        });
+        let title = format!("Remove the codel `{name}`");
+        fixes.push(TextFix::guess(title, whole_lines(codel.syntax()), ""));
         fixes
     }
 
@@ -282,10 +275,9 @@ impl FixSite<'_> {
         around
             .into_iter()
             .filter(|&range| self.text(range) != "ether")
-            .map(|range| TextFix {
-                kind: FixKind::Choice,
-                title: format!("Pause before `{}`", self.text(range)),
-                edits: vec![self.paused(range)],
+            .map(|range| {
+                let (at, text) = self.paused(range);
+                TextFix::guess(format!("Pause before `{}`", self.text(range)), at, text).choice()
             })
             .collect()
     }
@@ -307,71 +299,40 @@ impl FixSite<'_> {
         }
     }
 
-    pub(crate) fn end_somewhere(&self) -> Vec<TextFix> {
-        let codel = self.node::<ast::CodelProperty>(self.range);
-        codel.and_then(|codel| add_yield(codel.syntax(), "ether")).into_iter().collect()
+    pub(crate) fn end_somewhere(&self) -> Option<TextFix> {
+        add_yield(self.node::<ast::CodelProperty>(self.range)?.syntax(), "ether")
     }
 
-    pub(crate) fn add_stop_codel(&self) -> Vec<TextFix> {
-        let Some(service) = self.node::<ast::Service>(self.range) else {
-            return Vec::new();
-        };
-        let name = self.text(self.range);
-        let codel = self.free_codel(&format!("{name}_stop"));
-        let property = format!("codel<stop> {codel}() yield ether;");
-        self.add_property(service.syntax(), &property, format!("Add the codel `{codel}`"))
-            .map(TextFix::choice)
-            .into_iter()
-            .collect()
-    }
-
-    pub(crate) fn interrupt_itself(&self) -> Vec<TextFix> {
-        let Some(service) = self.node::<ast::Service>(self.range) else {
-            return Vec::new();
-        };
+    pub(crate) fn interrupt_itself(&self) -> Option<TextFix> {
+        let service = self.node::<ast::Service>(self.range)?;
         let name = self.text(self.range);
         let title = format!("Let `{name}` interrupt itself");
-        self.add_to_list(service.syntax(), ["interrupts", "interrupt"], &name, title)
-            .map(TextFix::choice)
-            .into_iter()
-            .collect()
+        let words = ["interrupts", "interrupt"];
+        self.add_to_list(service.syntax(), words, &name, title).map(TextFix::choice)
     }
 
     pub(crate) fn add_wcet(&self) -> Vec<TextFix> {
-        const PLACEHOLDER: &str = " wcet 1 ms";
-        let edit = |range: TextRange| {
+        const PLACEHOLDER: &str = "wcet 1 ms";
+        let end = |range: TextRange| {
             let codel: ast::Codel = self.node(range)?;
-            Some((TextRange::empty(end_of(codel.syntax())), PLACEHOLDER.to_owned()))
+            Some(TextRange::empty(end_of(codel.syntax())))
         };
-        let one = edit(self.range);
-        let all: Vec<_> = one
-            .iter()
-            .cloned()
-            .chain(self.related.iter().filter_map(|&range| edit(range)))
-            .collect();
-        let mut fixes: Vec<TextFix> = one
-            .map(|edit| TextFix {
-                kind: FixKind::Choice,
-                title: format!(
-                    "Insert `{}` here, to be replaced by the measured time",
-                    PLACEHOLDER.trim()
-                ),
-                edits: vec![edit],
-            })
-            .into_iter()
-            .collect();
-        if all.len() > 1 {
-            fixes.push(TextFix {
-                kind: FixKind::Choice,
-                title: format!("Insert `{}` in all {} codels", PLACEHOLDER.trim(), all.len()),
-                edits: all,
-            });
+        let text = || format!(" {PLACEHOLDER}");
+        let one = end(self.range);
+        let title = format!("Insert `{PLACEHOLDER}` here, to be replaced by the measured time");
+        let mut fixes: Vec<TextFix> =
+            one.map(|at| TextFix::guess(title, at, text()).choice()).into_iter().collect();
+        let others = self.related.iter().filter_map(|&range| end(range));
+        let edits: Vec<_> = one.into_iter().chain(others).map(|at| (at, text())).collect();
+        if edits.len() > 1 {
+            let title = format!("Insert `{PLACEHOLDER}` in all {} codels", edits.len());
+            fixes.push(TextFix { kind: FixKind::Choice, title, edits });
         }
         fixes
     }
 
     /// Renames a codel wherever the file declares it or states its execution time.
-    pub(crate) fn rename_codel(&self, from: &str, to: &str) -> Vec<TextFix> {
+    pub(crate) fn rename_codel(&self, from: &str, to: &str) -> TextFix {
         let mut edits = Vec::new();
         for node in self.root.descendants() {
             if let Some(codel) = ast::Codel::cast(node.clone()) {
@@ -387,10 +348,10 @@ impl FixSite<'_> {
         }
         let edits = edits.into_iter().map(|range| (range, to.to_owned())).collect();
         let title = format!("Rename the codel to `{to}`");
-        vec![TextFix { kind: FixKind::Guess, title, edits }]
+        TextFix { kind: FixKind::Guess, title, edits }
     }
 
-    pub(crate) fn validate_new_value(&self) -> Vec<TextFix> {
+    pub(crate) fn validate_new_value(&self) -> Option<TextFix> {
         let edits: Vec<(TextRange, String)> = self
             .related
             .iter()
@@ -403,20 +364,13 @@ impl FixSite<'_> {
             })
             .collect();
         let title = "Validate the new value".to_owned();
-        if edits.is_empty() {
-            Vec::new()
-        } else {
-            vec![TextFix { kind: FixKind::Choice, title, edits }]
-        }
+        (!edits.is_empty()).then_some(TextFix { kind: FixKind::Choice, title, edits })
     }
 
     /// Removes the declaration of a name: its statement, or its part of a list.
-    pub(crate) fn remove_declaration(&self) -> Vec<TextFix> {
+    pub(crate) fn remove_declaration(&self) -> Option<TextFix> {
         let name = self.text(self.range);
-        let Some(token) = self.token_at(self.range) else {
-            return Vec::new();
-        };
-        let part = token.parent_ancestors().find(|ancestor| {
+        let part = self.token_at(self.range)?.parent_ancestors().find(|ancestor| {
             matches!(
                 ancestor.kind(),
                 SyntaxKind::EXCEPTION
@@ -424,8 +378,7 @@ impl FixSite<'_> {
                     | SyntaxKind::NATIVE_DECL
                     | SyntaxKind::TYPE_DECL
             )
-        });
-        let Some(part) = part else { return Vec::new() };
+        })?;
         let alone = match part.parent() {
             Some(list) if matches!(part.kind(), SyntaxKind::EXCEPTION | SyntaxKind::DECLARATOR) => {
                 list.children().filter(|child| child.kind() == part.kind()).count() == 1
@@ -433,46 +386,38 @@ impl FixSite<'_> {
             _ => true,
         };
         let range = if alone {
-            let item = part.ancestors().find(|ancestor| ast::Item::can_cast(ancestor.kind()));
-            item.map(|ancestor| whole_lines(&ancestor))
+            whole_lines(&part.ancestors().find(|ancestor| ast::Item::can_cast(ancestor.kind()))?)
         } else {
-            Some(with_comma(&part))
+            with_comma(&part)
         };
-        let title = format!("Remove `{name}`");
-        range
-            .into_iter()
-            .map(|range| TextFix {
-                kind: FixKind::Guess,
-                title: title.clone(),
-                edits: vec![(range, String::new())],
-            })
-            .collect()
+        Some(TextFix::guess(format!("Remove `{name}`"), range, ""))
     }
 
-    pub(crate) fn remove_comment(&self) -> Vec<TextFix> {
-        let Some(comment) = self.token_at(self.range) else {
-            return Vec::new();
-        };
+    pub(crate) fn remove_comment(&self) -> Option<TextFix> {
+        let comment = self.token_at(self.range)?;
         if !matches!(comment.kind(), SyntaxKind::LINE_COMMENT | SyntaxKind::BLOCK_COMMENT) {
-            return Vec::new();
+            return None;
         }
-        let mut range = comment.text_range();
-        let mut before = comment.prev_token();
-        while let Some(token) = before
-            .filter(|token| matches!(token.kind(), SyntaxKind::WHITESPACE | SyntaxKind::NEWLINE))
-        {
-            range = range.cover(token.text_range());
-            if token.text().contains(['\n', '\r']) {
-                break;
-            }
-            before = token.prev_token();
-        }
-        vec![TextFix {
-            kind: FixKind::Guess,
-            title: "Remove the comment".into(),
-            edits: vec![(range, String::new())],
-        }]
+        let range = with_line_before(comment.text_range(), Some(comment));
+        Some(TextFix::guess("Remove the comment", range, ""))
     }
+}
+
+/// The edits that add an item to a list, whose items are nodes.
+fn list_edits(
+    list: &SyntaxNode,
+    items: impl Iterator<Item = SyntaxNode>,
+    item: &str,
+) -> Vec<(TextRange, String)> {
+    let base = list.text_range().start();
+    let items =
+        items.map(|item| bytes(TextRange::new(item.text_range().start(), end_of(&item)) - base));
+    let edits = append_to_list(&list.text().to_string(), &items.collect::<Vec<_>>(), item);
+    let edits = edits.into_iter().filter_map(|(range, text)| {
+        let at = TextSize::try_from(range.start).ok()?;
+        Some((TextRange::empty(base + at), text))
+    });
+    edits.collect()
 }
 
 fn add_yield(codel: &SyntaxNode, state: &str) -> Option<TextFix> {
@@ -481,19 +426,7 @@ fn add_yield(codel: &SyntaxNode, state: &str) -> Option<TextFix> {
         return None;
     }
     let name = codel.descendants().find_map(ast::Codel::cast)?.name()?;
-    let base = codel.text_range().start();
-    let items = yields.states().map(|state| {
-        let end = end_of(state.syntax());
-        bytes(TextRange::new(state.syntax().text_range().start(), end) - base)
-    });
-    let edits = append_to_list(&codel.text().to_string(), &items.collect::<Vec<_>>(), state);
-    let edits = edits.into_iter().filter_map(|(range, text)| {
-        let at = TextSize::try_from(range.start).ok()?;
-        Some((TextRange::empty(base + at), text))
-    });
-    Some(TextFix {
-        kind: FixKind::Choice,
-        title: format!("Let `{}` yield `{state}`", name.syntax().text()),
-        edits: edits.collect(),
-    })
+    let edits = list_edits(codel, yields.states().map(|state| state.syntax().clone()), state);
+    let title = format!("Let `{}` yield `{state}`", name.syntax().text());
+    Some(TextFix { kind: FixKind::Choice, title, edits })
 }

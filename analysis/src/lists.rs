@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use dotgen_syntax::line_index::line_start;
+
 /// Maximum length of a line in columns. A longer line of a list is broken if other lines of the list are.
 const LONG: usize = 80;
 
@@ -20,9 +22,8 @@ pub fn append_to_list(
         .windows(2)
         .filter_map(|window| Separator::read(text.get(window[0].end..window[1].start)?))
         .collect();
-    let start_of_line = |at: usize| text[..at].rfind('\n').map_or(0, |index| index + 1);
     let mut separator = separators.last().cloned().unwrap_or_default();
-    let column = last.end - start_of_line(last.end);
+    let column = last.end - line_start(text, last.end);
     if !separator.breaks()
         && column + 2 + item.len() > LONG
         && let Some(broken) = separators.iter().rev().find(|separator| separator.breaks())
@@ -43,7 +44,7 @@ pub fn append_to_list(
         let line = if after.contains('\n') {
             after
         } else {
-            format!("\n{}", " ".repeat(last.start - start_of_line(last.start)))
+            format!("\n{}", " ".repeat(last.start - line_start(text, last.start)))
         };
         return vec![here(last.end, ",".to_owned()), here(end, line + item)];
     }

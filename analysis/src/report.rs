@@ -259,11 +259,9 @@ impl<'db> Reporter<'db> {
         if macro_call_at(self.db, key, range).is_some() {
             return None;
         }
-        let fix = TextFix {
-            kind: FixKind::of(near.plain && !has_odd_quote(self.db, key.file(self.db))),
-            title: format!("Change to `{}`", near.name),
-            edits: vec![(range, near.text.to_string())],
-        };
+        let title = format!("Change to `{}`", near.name);
+        let kind = FixKind::of(near.plain && !has_odd_quote(self.db, key.file(self.db)));
+        let fix = TextFix { kind, ..TextFix::guess(title, range, near.text.as_str()) };
         Some(fix.within(key.file(self.db).path(self.db)))
     }
 }

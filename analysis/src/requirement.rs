@@ -5,7 +5,7 @@
 //! read from its tokens, since their meaning depends on the release.
 
 use camino::Utf8PathBuf;
-use dotgen_syntax::SyntaxKind;
+use dotgen_syntax::{SyntaxKind, line_index::line_start};
 use rustc_hash::FxHashSet;
 
 use crate::{
@@ -37,7 +37,7 @@ impl Requirement {
         });
         found.bound = bounds.max();
         for (at, word) in text.match_indices("include") {
-            let line = text[..at].rfind('\n').map_or(0, |index| index + 1);
+            let line = line_start(text, at);
             if text[line..at].trim() != "#" {
                 continue;
             }
@@ -57,7 +57,7 @@ const PACKAGE: &str = "genom3";
 /// Returns true if the quote at an offset begins a string, and is not in a comment or in another string.
 fn is_string(text: &str, at: usize) -> bool {
     let before = &text[..at];
-    let line = before.rfind('\n').map_or(0, |index| index + 1);
+    let line = line_start(text, at);
     let plain = !before[line..].contains(['"', '\'']) && !before[line..].contains("//");
     if plain && before.rfind("/*").is_none_or(|open| before[open + 2..].contains("*/")) {
         return true;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use dotgen_syntax::{
     NodeOrToken, SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize,
-    ast::{self, AstNode},
+    ast::{self, AstNode, support},
 };
 
 use crate::{
@@ -85,13 +85,13 @@ fn scope(comment: &SyntaxToken) -> Option<TextRange> {
     let item = if on_own_line {
         // The first declaration that begins after the comment.
         let next = std::iter::successors(comment.next_token(), SyntaxToken::next_token)
-            .find(|token| !token.kind().is_trivia() && !token.text_range().is_empty())?;
+            .find(support::is_text)?;
         outermost_item_at(&next)?
     } else {
         // The declaration that begins on this line, or else the one around it.
         let first = std::iter::successors(comment.prev_token(), SyntaxToken::prev_token)
             .take_while(|token| !token.text().contains('\n'))
-            .filter(|token| !token.kind().is_trivia() && !token.text_range().is_empty())
+            .filter(support::is_text)
             .last()?;
         outermost_item_at(&first).or_else(|| {
             first.parent_ancestors().find(|ancestor| ast::Item::can_cast(ancestor.kind()))
@@ -107,7 +107,7 @@ fn is_on_own_line(comment: &SyntaxToken) -> bool {
         if token.text().contains(['\n', '\r']) {
             return true;
         }
-        if !token.kind().is_trivia() && !token.text_range().is_empty() {
+        if support::is_text(&token) {
             return false;
         }
         before = token.prev_token();
@@ -118,11 +118,8 @@ fn is_on_own_line(comment: &SyntaxToken) -> bool {
 /// The largest declaration whose first real token this is.
 fn outermost_item_at(token: &SyntaxToken) -> Option<SyntaxNode> {
     let begins = |node: &SyntaxNode| {
-        let first = node
-            .descendants_with_tokens()
-            .filter_map(NodeOrToken::into_token)
-            .find(|token| !token.kind().is_trivia() && !token.text_range().is_empty());
-        first.is_some_and(|other| other.text_range() == token.text_range())
+        support::first_text_token(node)
+            .is_some_and(|other| other.text_range() == token.text_range())
     };
     token
         .parent_ancestors()

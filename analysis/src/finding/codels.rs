@@ -122,8 +122,12 @@ impl CodelProblem {
                 let ways = [here.declare_ids_member(name), here.declare_port(name)];
                 ways.into_iter().flatten().collect()
             }
-            CodelProblem::Undefined { state, .. } => here.declare_state(state),
-            CodelProblem::UndeclaredThrow { exception, .. } => here.declare_throw(exception),
+            CodelProblem::Undefined { state, .. } => {
+                here.declare_state(state).into_iter().collect()
+            }
+            CodelProblem::UndeclaredThrow { exception, .. } => {
+                here.declare_throw(exception).into_iter().collect()
+            }
             CodelProblem::Unreachable { in_cycle, .. } => here.connect_or_remove_codel(*in_cycle),
             _ => Vec::new(),
         }

@@ -243,16 +243,14 @@ findings! {
 impl LintWarning {
     /// The fixes, the best first, made from the text around.
     pub(crate) fn fixes(&self, here: &FixSite<'_>) -> Vec<TextFix> {
-        match self {
-            LintWarning::BusyLoop { .. } => here.pause_somewhere(),
+        let fix = match self {
+            LintWarning::BusyLoop { .. } => return here.pause_somewhere(),
             LintWarning::NoTermination { .. } => {
-                let mut fixes = here.end_somewhere();
-                fixes.extend(here.pause_somewhere());
-                fixes
+                return here.end_somewhere().into_iter().chain(here.pause_somewhere()).collect();
             }
-            LintWarning::NamedAsEvent { codel, free, .. } => here.rename_codel(codel, free),
-            LintWarning::MissingStop { .. } => here.add_stop_codel(),
-            LintWarning::MissingWcet { .. } => here.add_wcet(),
+            LintWarning::MissingWcet { .. } => return here.add_wcet(),
+            LintWarning::NamedAsEvent { codel, free, .. } => Some(here.rename_codel(codel, free)),
+            LintWarning::MissingStop { .. } => here.add_codel("stop").map(TextFix::choice),
             LintWarning::BlindValidate { .. } => here.validate_new_value(),
             LintWarning::ConcurrentInstances { .. } => here.interrupt_itself(),
             LintWarning::NeverThrown { .. }
@@ -261,7 +259,8 @@ impl LintWarning {
             LintWarning::UnusedAllowance { .. } | LintWarning::UnknownAllowance { .. } => {
                 here.remove_comment()
             }
-            _ => Vec::new(),
-        }
+            _ => None,
+        };
+        fix.into_iter().collect()
     }
 }

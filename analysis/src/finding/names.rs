@@ -160,7 +160,9 @@ impl NameProblem {
             NameProblem::Unknown { noun: Noun::Type, name } => {
                 here.declare_type(name).into_iter().collect()
             }
-            NameProblem::Unknown { noun: Noun::Constant, name } => here.near_macro(name),
+            NameProblem::Unknown { noun: Noun::Constant, name } => {
+                here.near_macro(name).into_iter().collect()
+            }
             _ => Vec::new(),
         }
     }

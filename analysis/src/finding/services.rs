@@ -147,7 +147,7 @@ impl DeclarationProblem {
             DeclarationProblem::UnknownService { name, .. } => here.declare_service(name),
             DeclarationProblem::CodelWithoutState
             | DeclarationProblem::TaskCodelWithoutState { .. } => here.add_first_state(),
-            DeclarationProblem::ActivityWithoutStart { .. } => here.add_start(),
+            DeclarationProblem::ActivityWithoutStart { .. } => here.add_codel("start"),
             _ => None,
         };
         fix.into_iter().collect()

@@ -1,8 +1,8 @@
 //! Missing braces, inserted at their usual places.
 
-use dotgen_syntax::{SyntaxError, SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize};
-
-use crate::diagnostic::FixKind;
+use dotgen_syntax::{
+    SyntaxError, SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize, ast::support,
+};
 
 use super::{TextFix, indent_of};
 
@@ -19,11 +19,7 @@ pub(crate) fn missing_brace(root: &SyntaxNode, error: &SyntaxError) -> Option<Te
         _ if starts_name(root, here) => (here, format!("{brace} ")),
         _ => (here, brace.to_owned()),
     };
-    Some(TextFix {
-        kind: FixKind::Guess,
-        title: format!("Insert `{brace}`"),
-        edits: vec![(TextRange::empty(at), text)],
-    })
+    Some(TextFix::guess(format!("Insert `{brace}`"), TextRange::empty(at), text))
 }
 
 /// The last token before a place that is not a blank or comment.
@@ -31,7 +27,7 @@ pub(super) fn token_before(root: &SyntaxNode, at: TextSize) -> Option<SyntaxToke
     let mut token = root.token_at_offset(at).left_biased();
     while let Some(before) = token {
         let range = before.text_range();
-        if !before.kind().is_trivia() && !range.is_empty() && range.end() <= at {
+        if support::is_text(&before) && range.end() <= at {
             return Some(before);
         }
         token = before.prev_token();

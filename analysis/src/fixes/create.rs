@@ -1,11 +1,9 @@
 //! Declarations of names that are used but not declared, each at the place that fits the order of the file.
 
 use dotgen_syntax::{
-    NodeOrToken, SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize,
-    ast::{self, AstNode},
+    SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize,
+    ast::{self, AstNode, support},
 };
-
-use crate::diagnostic::FixKind;
 
 use super::{FixSite, TextFix, end_of, indent_of, starts_line};
 
@@ -64,14 +62,9 @@ impl FixSite<'_> {
         let at = before_comments(declaration.syntax())?;
         let indent = indent_of(declaration.syntax());
         let text = self.text(range);
-        Some(TextFix {
-            kind: FixKind::Guess,
-            title: format!("Name the type `{name}`"),
-            edits: vec![
-                (TextRange::empty(at), format!("typedef {text} {name};\n{indent}")),
-                (range, name),
-            ],
-        })
+        let declared = format!("typedef {text} {name};\n{indent}");
+        let title = format!("Name the type `{name}`");
+        Some(TextFix::guess(title, TextRange::empty(at), declared).and(range, name))
     }
 
     /// `Declare activity …`, in the last task before it, or `Declare function …`, if there is no task.
@@ -129,11 +122,8 @@ impl FixSite<'_> {
         let members: String = members.collect();
         let text = format!("struct {name} {{\n{members}{indent}}};");
         let at = before_comments(&item)?;
-        Some(TextFix {
-            kind: FixKind::Guess,
-            title: format!("Declare the struct `{name}`"),
-            edits: vec![(TextRange::empty(at), format!("{text}\n\n{indent}"))],
-        })
+        let title = format!("Declare the struct `{name}`");
+        Some(TextFix::guess(title, TextRange::empty(at), format!("{text}\n\n{indent}")))
     }
 
     /// `Add … to the ids`: the last ones before the use. The type is a guess.
@@ -163,16 +153,13 @@ impl FixSite<'_> {
         let (text, title) = text(name);
         let text = self.as_written(&text);
         let mut before = std::iter::successors(item.prev_sibling(), SyntaxNode::prev_sibling);
-        let edit = if let Some(last) =
+        let (at, text) = if let Some(last) =
             before.find(|sibling| sibling.kind() == kind && starts_line(sibling))
         {
             let indent = indent_of(&last);
             (TextRange::empty(end_of(&last)), format!("\n{indent}{text}"))
         } else {
-            let first = item
-                .descendants_with_tokens()
-                .filter_map(NodeOrToken::into_token)
-                .find(|token| !token.kind().is_trivia())?;
+            let first = support::first_text_token(&item)?;
             let at = TextRange::empty(first.text_range().start());
             if starts_line(&item) {
                 (at, format!("{text}\n\n{}", indent_of(&item)))
@@ -180,7 +167,7 @@ impl FixSite<'_> {
                 (at, format!("{text} "))
             }
         };
-        Some(TextFix { kind: FixKind::Guess, title, edits: vec![edit] })
+        Some(TextFix::guess(title, at, text))
     }
 
     /// The declaration around, directly in the body of a component or interface.
@@ -231,9 +218,7 @@ fn members_of(item: &SyntaxNode, ty: &str) -> Vec<String> {
 
 /// The start of an item, including the comments right before it.
 fn before_comments(item: &SyntaxNode) -> Option<TextSize> {
-    let tokens = item.descendants_with_tokens();
-    let mut tokens = tokens.filter_map(NodeOrToken::into_token);
-    let first = tokens.find(|token| !token.kind().is_trivia())?;
+    let first = support::first_text_token(item)?;
     let mut at = first.text_range().start();
     let mut ends = 0;
     let mut before = first.prev_token();
@@ -257,7 +242,8 @@ fn is_word(text: &str) -> bool {
     SyntaxKind::spellings().iter().any(|spelling| spelling.1 == text)
 }
 
-fn is_name(text: &str) -> bool {
+/// Returns true for text with the form of a name.
+pub(crate) fn is_name(text: &str) -> bool {
     let mut chars = text.chars();
     let first = chars.next();
     first.is_some_and(|character| character.is_ascii_alphabetic() || character == '_')

@@ -1,12 +1,10 @@
 //! Places of nodes in the text: their lines, indentation, ends and commas.
 
-use dotgen_syntax::{NodeOrToken, SyntaxKind, SyntaxNode, TextRange, TextSize};
+use dotgen_syntax::{SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize, ast::support};
 
 /// Returns true if a node begins its line.
 pub(super) fn starts_line(node: &SyntaxNode) -> bool {
-    let tokens = node.descendants_with_tokens().filter_map(NodeOrToken::into_token);
-    let first = tokens.into_iter().find(|token| !token.kind().is_trivia());
-    let mut before = first.and_then(|token| token.prev_token());
+    let mut before = support::first_text_token(node).and_then(|token| token.prev_token());
     while let Some(token) = before {
         if token.text().contains(['\n', '\r']) {
             return true;
@@ -21,11 +19,7 @@ pub(super) fn starts_line(node: &SyntaxNode) -> bool {
 
 /// The blanks before the first real token of a node on its line.
 pub(super) fn indent_of(node: &SyntaxNode) -> String {
-    let first = node
-        .descendants_with_tokens()
-        .filter_map(NodeOrToken::into_token)
-        .find(|token| !token.kind().is_trivia());
-    let before = first.and_then(|token| token.prev_token());
+    let before = support::first_text_token(node).and_then(|token| token.prev_token());
     before
         .filter(|token| token.kind() == SyntaxKind::WHITESPACE)
         .map(|token| token.text().rsplit('\n').next().unwrap_or_default().to_owned())
@@ -34,16 +28,19 @@ pub(super) fn indent_of(node: &SyntaxNode) -> String {
 
 /// The end of the last real token of a node.
 pub(super) fn end_of(node: &SyntaxNode) -> TextSize {
-    let tokens = node.descendants_with_tokens().filter_map(NodeOrToken::into_token);
-    let last =
-        tokens.filter(|token| !token.kind().is_trivia() && !token.text_range().is_empty()).last();
+    let last = support::last_text_token(node);
     last.map_or(node.text_range().end(), |token| token.text_range().end())
 }
 
 /// A declaration with the blanks and the line end before it.
 pub(super) fn whole_lines(node: &SyntaxNode) -> TextRange {
-    let mut range = TextRange::new(node.text_range().start(), end_of(node));
-    let mut before = node.first_token().and_then(|token| token.prev_token());
+    let range = TextRange::new(node.text_range().start(), end_of(node));
+    with_line_before(range, node.first_token())
+}
+
+/// A range that begins with a token, with the blanks and the line end before it.
+pub(super) fn with_line_before(mut range: TextRange, first: Option<SyntaxToken>) -> TextRange {
+    let mut before = first.and_then(|token| token.prev_token());
     while let Some(token) =
         before.filter(|token| matches!(token.kind(), SyntaxKind::WHITESPACE | SyntaxKind::NEWLINE))
     {

@@ -18,11 +18,7 @@ impl FixSite<'_> {
             () if repair.range.is_empty() => format!("Insert `{shown}`"),
             () => format!("Change to `{shown}`"),
         };
-        TextFix {
-            kind: FixKind::of(repair.plain),
-            title,
-            edits: vec![(repair.range, text.to_owned())],
-        }
+        TextFix { kind: FixKind::of(repair.plain), ..TextFix::guess(title, repair.range, text) }
     }
 
     /// Adds the state `start` to a codel without states; the codel's name is the related place.
@@ -43,38 +39,28 @@ impl FixSite<'_> {
         let number = text.find(|character: char| character.is_ascii_alphabetic());
         let number = number.unwrap_or(text.len());
         let unit = self.range.start() + TextSize::try_from(number).ok()?;
-        Some(TextFix {
-            kind: FixKind::Choice,
-            title: format!("Write `{} us`", &text[..number]),
-            edits: vec![(TextRange::empty(unit), " ".to_owned())],
-        })
+        let title = format!("Write `{} us`", &text[..number]);
+        Some(TextFix::guess(title, TextRange::empty(unit), " ").choice())
     }
 
     /// Inserts the word `wcet` before an execution time.
     pub(crate) fn add_wcet_word(&self) -> TextFix {
-        TextFix {
-            kind: FixKind::Choice,
-            title: "Write `wcet` before the duration".to_owned(),
-            edits: vec![(TextRange::empty(self.range.start()), "wcet ".to_owned())],
-        }
+        let at = TextRange::empty(self.range.start());
+        TextFix::guess("Write `wcet` before the duration", at, "wcet ").choice()
     }
 
     /// Replaces the text by another one.
     pub(crate) fn replace(&self, text: &str) -> TextFix {
-        TextFix {
-            kind: FixKind::Guess,
-            title: format!("Change to `{text}`"),
-            edits: vec![(self.range, text.to_owned())],
-        }
+        TextFix::guess(format!("Change to `{text}`"), self.range, text)
     }
 
     /// Replaces the name of a constant by the nearest macro of the file.
-    pub(crate) fn near_macro(&self, name: &str) -> Vec<TextFix> {
+    pub(crate) fn near_macro(&self, name: &str) -> Option<TextFix> {
         let macros = self.source.lines().filter_map(|line| {
             let line = line.trim_start().strip_prefix('#')?.trim_start();
             line.strip_prefix("define")?.split_whitespace().next()
         });
-        nearest(name, macros).map(|near| self.replace(near)).into_iter().collect()
+        nearest(name, macros).map(|near| self.replace(near))
     }
 
     pub(crate) fn remove(&self) -> TextFix {
@@ -83,11 +69,7 @@ impl FixSite<'_> {
 
     /// Removes the text, with a title that does not show it.
     pub(crate) fn remove_as(&self, title: &str) -> TextFix {
-        TextFix {
-            kind: FixKind::Guess,
-            title: title.to_owned(),
-            edits: vec![(self.range, String::new())],
-        }
+        TextFix::guess(title, self.range, "")
     }
 
     /// Removes a part of a list.
@@ -103,12 +85,12 @@ impl FixSite<'_> {
         self.add_property(service.syntax(), &property, format!("Add `{property}`"))
     }
 
-    /// Adds the first codel of an activity.
-    pub(crate) fn add_start(&self) -> Option<TextFix> {
+    /// Adds a codel for a state of an activity.
+    pub(crate) fn add_codel(&self, state: &str) -> Option<TextFix> {
         let service = self.node::<ast::Service>(self.range)?;
         let name = self.text(self.range);
-        let codel = self.free_codel(&format!("{name}_start"));
-        let property = format!("codel<start> {codel}() yield ether;");
+        let codel = self.free_codel(&format!("{name}_{state}"));
+        let property = format!("codel<{state}> {codel}() yield ether;");
         let title = format!("Add the codel `{codel}`");
         self.add_property(service.syntax(), &property, title)
     }
@@ -124,17 +106,9 @@ impl FixSite<'_> {
 }
 
 fn insert(at: TextSize, text: &str) -> TextFix {
-    TextFix {
-        kind: FixKind::Guess,
-        title: format!("Insert `{}`", text.trim()),
-        edits: vec![(TextRange::empty(at), text.to_owned())],
-    }
+    TextFix::guess(format!("Insert `{}`", text.trim()), TextRange::empty(at), text)
 }
 
 fn remove(range: TextRange, what: &str) -> TextFix {
-    TextFix {
-        kind: FixKind::Guess,
-        title: format!("Remove `{what}`"),
-        edits: vec![(range, String::new())],
-    }
+    TextFix::guess(format!("Remove `{what}`"), range, "")
 }

@@ -1,8 +1,9 @@
 //! The comment that allows a finding, see [`crate::suppress`].
 
 use dotgen_syntax::{
-    NodeOrToken, TextSize,
-    ast::{self, AstNode},
+    TextSize,
+    ast::{self, AstNode, support},
+    line_index::line_start,
 };
 
 use super::FileView;
@@ -30,11 +31,9 @@ pub(crate) fn allowing(view: &FileView<'_>, diagnostic: &Diagnostic) -> Option<F
     let mut items =
         token.parent_ancestors().filter(|ancestor| ast::Item::can_cast(ancestor.kind()));
     let (at, indent) = items.find_map(|item| {
-        let mut tokens = item.descendants_with_tokens().filter_map(NodeOrToken::into_token);
-        let first =
-            tokens.find(|token| !token.kind().is_trivia() && !token.text_range().is_empty())?;
+        let first = support::first_text_token(&item)?;
         let start = usize::from(first.text_range().start());
-        let line = text[..start].rfind('\n').map_or(0, |end| end + 1);
+        let line = line_start(text, start);
         let indent = &text[line..start];
         indent.trim().is_empty().then_some((line, indent))
     })?;

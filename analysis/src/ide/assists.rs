@@ -21,7 +21,7 @@ use std::ops::Range;
 pub use execution_time::TaskTime;
 pub(crate) use execution_time::{execution_time, task_time};
 
-use dotgen_syntax::{SyntaxElement, SyntaxKind, SyntaxNode, ast::AstNode};
+use dotgen_syntax::{SyntaxElement, SyntaxKind, SyntaxNode, ast::AstNode, line_index::line_start};
 use smol_str::SmolStr;
 
 use super::FileView;
@@ -155,7 +155,7 @@ impl Cx<'_, '_> {
     /// The blanks at the start of the line of an offset.
     fn indent(&self, at: usize) -> &str {
         let text = self.view.text();
-        let line = text[..at].rfind('\n').map_or(0, |index| index + 1);
+        let line = line_start(text, at);
         let rest = &text[line..at];
         &rest[..rest.len() - rest.trim_start_matches([' ', '\t']).len()]
     }
@@ -163,7 +163,7 @@ impl Cx<'_, '_> {
     /// A range with its line, if nothing else is on the line.
     fn whole_lines(&self, range: Range<usize>) -> Range<usize> {
         let text = self.view.text();
-        let start = text[..range.start].rfind('\n').map_or(0, |index| index + 1);
+        let start = line_start(text, range.start);
         let end = text[range.end..].find('\n').map_or(text.len(), |index| range.end + index + 1);
         let alone =
             text[start..range.start].trim().is_empty() && text[range.end..end].trim().is_empty();

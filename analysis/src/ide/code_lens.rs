@@ -5,6 +5,7 @@
 
 use std::ops::Range;
 
+use dotgen_syntax::line_index::line_start;
 use serde::{Deserialize, Serialize};
 use smol_str::SmolStr;
 
@@ -139,7 +140,7 @@ fn written(view: &FileView<'_>, definition: &Definition) -> Option<Range<usize>>
 /// The line of an offset.
 fn line(view: &FileView<'_>, offset: usize) -> Range<usize> {
     let text = view.text();
-    let start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
+    let start = line_start(text, offset);
     start..text[offset..].find('\n').map_or(text.len(), |at| offset + at)
 }
 

@@ -1,6 +1,6 @@
 //! The expansion of a macro call, for display.
 
-use dotgen_syntax::{NodeOrToken, SyntaxKind, TextSize};
+use dotgen_syntax::{SyntaxKind, TextSize, ast::support};
 
 use super::{FileView, MacroExpansion, RangeInfo, hover::expansion};
 
@@ -21,10 +21,7 @@ pub(crate) fn expand_macro(view: &FileView<'_>, at: usize) -> Option<RangeInfo<M
         .right_biased()
         .and_then(around)
         .or_else(|| tokens.left_biased().and_then(around))?;
-    let name = call
-        .descendants_with_tokens()
-        .filter_map(NodeOrToken::into_token)
-        .find(|token| !token.kind().is_trivia())?;
+    let name = support::first_text_token(&call)?;
     Some(RangeInfo {
         range: call.text_range().into(),
         info: MacroExpansion {

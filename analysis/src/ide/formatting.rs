@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use dotgen_syntax::format::{self, Options, Unit};
+use dotgen_syntax::line_index::line_start;
 use dotgen_syntax::{SyntaxKind, TextRange};
 
 use super::{
@@ -69,7 +70,7 @@ fn statement(view: &FileView<'_>, at: usize, typed: char, options: &Options) -> 
     };
     let range = bytes(view.node_range(&node));
     // With the indentation of its first line.
-    let line = view.text()[..range.start].rfind('\n').map_or(0, |index| index + 1);
+    let line = line_start(view.text(), range.start);
     let blank = view.text()[line..range.start].trim().is_empty();
     let start = if blank { line } else { range.start };
     let mut out = edits(view, Some(text_range(&(start..at))), options);
@@ -83,7 +84,7 @@ fn indentation(view: &FileView<'_>, at: usize, options: &Options) -> Option<File
     if surroundings(view, at) != Surroundings::Code {
         return None;
     }
-    let line = text[..at].rfind('\n').map_or(0, |index| index + 1);
+    let line = line_start(text, at);
     let rest = &text[line..];
     let blanks = rest.len() - rest.trim_start_matches([' ', '\t']).len();
     let content = rest[blanks..].chars().next();
@@ -128,9 +129,8 @@ fn continuation(text: &str, open: usize, line: usize, unit: Unit) -> usize {
         let blanks = rest.len() - rest.trim_start_matches([' ', '\t']).len();
         unit.column_of(&rest[..blanks])
     };
-    let start_of = |at: usize| text[..at].rfind('\n').map_or(0, |index| index + 1);
-    let opens_on = start_of(open);
-    let before = start_of(line.saturating_sub(1));
+    let opens_on = line_start(text, open);
+    let before = line_start(text, line.saturating_sub(1));
     if before > opens_on {
         return indentation(before);
     }

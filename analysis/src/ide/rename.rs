@@ -22,6 +22,7 @@ use super::{
     speculate::{Comparison, compare_some},
     view::place,
 };
+use crate::fixes::is_name;
 use crate::progress::Progress;
 use crate::{
     base::{Db, SourceFile, lexed, normalize},
@@ -150,13 +151,7 @@ pub(crate) fn rename(
 
 fn check_name(name: &str) -> Result<(), RenameError> {
     let raw = lex(name);
-    let mut characters = name.chars();
-    let first = characters
-        .next()
-        .is_some_and(|character| character.is_ascii_alphabetic() || character == '_');
-    let identifier =
-        first && characters.all(|character| character.is_ascii_alphanumeric() || character == '_');
-    if !identifier {
+    if !is_name(name) {
         return refuse(format!(
             "`{name}` is not a name: use letters, digits and `_`, not beginning with a digit"
         ));

@@ -13,7 +13,7 @@ use smol_str::SmolStr;
 use super::{fixes_at, shown};
 use crate::{
     base::{Db, FileStatus, SourceFile, lexed},
-    diagnostic::{Diagnostic, FixKind, Related},
+    diagnostic::{Diagnostic, Related},
     finding::{FindingKind, files::FileProblem},
     fixes::{TextFix, near_include},
     source_map::{bytes, offset},
@@ -40,11 +40,7 @@ pub(super) fn text_report<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<Vec<Di
             Some((range, path)) => {
                 let meant = format!("did you mean `{path}`?");
                 let mut diagnostic = shown(&kind, None, Some(&meant), file.path(db), error.range);
-                let fix = TextFix {
-                    kind: FixKind::Guess,
-                    title: format!("Change to `{path}`"),
-                    edits: vec![(range, path)],
-                };
+                let fix = TextFix::guess(format!("Change to `{path}`"), range, path);
                 diagnostic.fixes.push(fix.within(file.path(db)));
                 diagnostic
             }

@@ -111,6 +111,23 @@ pub mod support {
         AstChildren { inner: parent.children(), marker: PhantomData }
     }
 
+    /// The first token of a node that is spelled in the text, other than blanks and comments.
+    pub fn first_text_token(node: &SyntaxNode) -> Option<SyntaxToken> {
+        let mut tokens = node.descendants_with_tokens().filter_map(rowan::NodeOrToken::into_token);
+        tokens.find(is_text)
+    }
+
+    /// The last token of a node that is spelled in the text, other than blanks and comments.
+    pub fn last_text_token(node: &SyntaxNode) -> Option<SyntaxToken> {
+        let tokens = node.descendants_with_tokens().filter_map(rowan::NodeOrToken::into_token);
+        tokens.filter(is_text).last()
+    }
+
+    /// Returns true for a token that is spelled in the text, and is not a blank or comment.
+    pub fn is_text(token: &SyntaxToken) -> bool {
+        !token.kind().is_trivia() && !token.text_range().is_empty()
+    }
+
     /// First token of a kind directly below a node.
     pub fn token(parent: &SyntaxNode, kind: SyntaxKind) -> Option<SyntaxToken> {
         parent

@@ -8,6 +8,7 @@ use super::rules::{self, Gap};
 use super::unit::{self, Ruler, Unit, advance};
 use super::{Options, TextEdit, columns};
 use crate::SyntaxKind::*;
+use crate::line_index::line_start;
 use crate::{TextRange, TextSize};
 
 /// Maximum number of empty lines in a row.
@@ -273,7 +274,7 @@ impl<'a> Printer<'a> {
     fn newlines(&self, i: usize, count: usize, column: usize) -> String {
         let mut out = self.line_end.repeat(count);
         let old = self.page.original(i);
-        let old = &old[old.rfind('\n').map_or(0, |index| index + 1)..];
+        let old = &old[line_start(old, old.len())..];
         let begins = i == 0 || self.page.chunks[i].newlines > 0;
         let fits = begins && old.bytes().all(|byte| matches!(byte, b' ' | b'\t'));
         if fits && advance(0, old, self.page.unit.tab()) == column {

@@ -3,6 +3,7 @@
 use super::TAB;
 use super::chunks::{self, Chunk};
 use crate::SyntaxNode;
+use crate::line_index::line_start;
 
 /// White space of one level of indentation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -79,11 +80,6 @@ pub(super) fn of(text: &str, chunks: &[Chunk]) -> Option<Unit> {
         votes if votes >= tabs => Some(Unit::Spaces(USUAL[best])),
         _ => Some(Unit::Tabs(TAB)),
     }
-}
-
-/// The offset at which the line of an offset begins.
-pub(super) fn line_start(text: &str, at: usize) -> usize {
-    text[..at].rfind('\n').map_or(0, |index| index + 1)
 }
 
 /// Column of an offset.

@@ -7,6 +7,7 @@ use rowan::{TextRange, TextSize};
 use crate::{
     kind::SyntaxKind::{self, *},
     lexer::RawTokens,
+    line_index::line_start,
     preproc::Element,
 };
 
@@ -109,7 +110,7 @@ impl<'a> Input<'a> {
             return None;
         };
         let before = self.text.get(..self.raw.start(*raw as usize))?;
-        let line = &before[before.rfind('\n').map_or(0, |index| index + 1)..];
+        let line = &before[line_start(before, before.len())..];
         line.chars().try_fold(0, |column, character| match character {
             ' ' => Some(column + 1),
             '\t' => Some(column / TAB * TAB + TAB),

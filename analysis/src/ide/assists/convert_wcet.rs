@@ -2,6 +2,7 @@
 //! paper, and the pragma that the reference compiler ignores (language reference, section 17.4).
 
 use dotgen_syntax::ast::{self, AstNode};
+use dotgen_syntax::line_index::line_start;
 
 use super::{Assist, AssistKind, Cx};
 use crate::ide::speculate::compare;
@@ -64,7 +65,7 @@ fn into_pragma(
     let name = codel.name()?.text(map);
     let item = cx.node_range(&codel.syntax().parent()?);
     let text = cx.view.text();
-    let line = text[..item.start].rfind('\n').map_or(0, |index| index + 1);
+    let line = line_start(text, item.start);
     if !text[line..item.start].trim().is_empty() {
         return None;
     }
