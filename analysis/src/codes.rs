@@ -8,11 +8,11 @@ pub mod checks;
 pub mod lints;
 pub mod verification;
 
-use dotgen_syntax::{codes as syntax, preproc};
+use dotgen_syntax::codes as syntax;
 
 use crate::diagnostic::Severity;
 
-/// A diagnostic code as shown to users. Its page is in `docs/diagnostics`.
+/// A diagnostic code as shown to users and as used in configuration. Its page is in `docs/diagnostics`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Code {
     /// The code.
@@ -23,6 +23,52 @@ pub struct Code {
     pub on: bool,
     /// Set if the reference compiler reports it too.
     pub reference: bool,
+    /// Set if the rule reports something missing, so it runs only if the specification is accepted.
+    pub absence: bool,
+    /// Set if the marked text can be removed; editors fade it.
+    pub unnecessary: bool,
+    /// The causes of which the finding can be a mere consequence.
+    pub follows: &'static [Cause],
+}
+
+impl Code {
+    /// A code that dotgen reports unless configured otherwise, and the reference compiler does not.
+    pub const fn new(id: &'static str, severity: Severity) -> Code {
+        Code {
+            id,
+            severity,
+            on: true,
+            reference: false,
+            absence: false,
+            unnecessary: false,
+            follows: &[],
+        }
+    }
+
+    /// A code of an error that the reference compiler reports too.
+    pub const fn error(id: &'static str) -> Code {
+        Code::new(id, Severity::Error).of_reference(true)
+    }
+
+    const fn of_reference(self, reference: bool) -> Code {
+        Code { reference, ..self }
+    }
+
+    const fn off(self) -> Code {
+        Code { on: false, ..self }
+    }
+
+    const fn absence(self) -> Code {
+        Code { absence: true, ..self }
+    }
+
+    const fn unnecessary(self) -> Code {
+        Code { unnecessary: true, ..self }
+    }
+
+    const fn follows(self, follows: &'static [Cause]) -> Code {
+        Code { follows, ..self }
+    }
 }
 
 /// An error of which other findings can be mere consequences. These are left out while the cause is reported.
@@ -40,10 +86,7 @@ pub enum Cause {
 
 /// The causes of which a finding with a code can be a mere consequence.
 pub(crate) fn follows(code: &str) -> &'static [Cause] {
-    checks::find(code)
-        .map(|check| check.follows)
-        .or_else(|| lints::find(code).map(|lint| lint.follows))
-        .unwrap_or_default()
+    find(code).map(|code| code.follows).unwrap_or_default()
 }
 
 /// The prefix of the codes that come from a comparison with sources in C and C++.
@@ -65,27 +108,12 @@ pub fn severity_here(code: &str, severity: Severity) -> Severity {
 
 /// All codes of this layer and the layers below.
 pub fn all() -> impl Iterator<Item = Code> {
-    let syntax = syntax::all().map(|code| Code {
-        id: code.id,
-        severity: match code.severity {
-            preproc::Severity::Error => Severity::Error,
-            preproc::Severity::Warning => Severity::Warning,
-            preproc::Severity::Hint => Severity::Hint,
-        },
-        on: true,
-        reference: code.reference,
-    });
-    let checks = checks::all().map(|code| Code {
-        id: code.id,
-        severity: code.severity,
-        on: true,
-        reference: code.reference,
-    });
-    let lints = lints::CODES.iter().chain(verification::CODES).map(|code| Code {
-        id: code.id,
-        severity: code.severity,
-        on: code.on,
-        reference: false,
-    });
-    syntax.chain(checks).chain(lints)
+    let syntax =
+        syntax::all().map(|code| Code::new(code.id, code.severity).of_reference(code.reference));
+    syntax.chain([checks::CODES, lints::CODES, verification::CODES].into_iter().flatten().copied())
+}
+
+/// The entry of a code of elaboration, of the checks of components or of a lint.
+pub fn find(id: &str) -> Option<&'static Code> {
+    checks::CODES.iter().chain(lints::CODES).find(|code| code.id == id)
 }

@@ -6,17 +6,8 @@
 use std::ops::Range;
 
 use camino::Utf8PathBuf;
-use serde::{Deserialize, Serialize};
 
-/// The severity of a diagnostic. Only errors reject a specification.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Severity {
-    Error,
-    Warning,
-    Information,
-    Hint,
-}
+pub use dotgen_syntax::Severity;
 
 /// Extra meaning of a diagnostic, as in LSP.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -121,14 +121,9 @@ impl FindingKind {
     /// The severity unless configured otherwise.
     pub fn severity(&self) -> Severity {
         let code = self.code();
-        let syntax = dotgen_syntax::codes::find(code).map(|code| match code.severity {
-            dotgen_syntax::Severity::Error => Severity::Error,
-            dotgen_syntax::Severity::Warning => Severity::Warning,
-            dotgen_syntax::Severity::Hint => Severity::Hint,
-        });
-        let severity = syntax
-            .or_else(|| codes::checks::find(code).map(|code| code.severity))
-            .or_else(|| codes::lints::find(code).map(|code| code.severity));
+        let severity = dotgen_syntax::codes::find(code)
+            .map(|code| code.severity)
+            .or_else(|| codes::find(code).map(|code| code.severity));
         debug_assert!(severity.is_some(), "{code} is not in the table of codes");
         severity.unwrap_or(Severity::Error)
     }

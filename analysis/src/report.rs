@@ -231,8 +231,7 @@ impl<'db> Reporter<'db> {
                     if is_switched_off(self.db, code) || code.starts_with(codes::CODEL) {
                         continue;
                     }
-                    let known =
-                        codes::lints::find(code).is_some() || codes::checks::find(code).is_some();
+                    let known = codes::find(code).is_some();
                     self.remark(visit.key, unused_allowance(code, known), *range);
                 }
                 if !suppression.has_reason {
@@ -460,42 +459,30 @@ fn is_allowed(db: &dyn Db, path: &Utf8Path, at: usize, code: &str) -> bool {
     })
 }
 
+/// The configured severity of a code; `Some(None)` if it is switched off.
+fn setting(db: &dyn Db, code: &str) -> Option<Option<Severity>> {
+    let configured = db.workspace().severities(db);
+    configured.iter().rev().find(|(candidate, _)| candidate == code).map(|setting| setting.1)
+}
+
 /// Returns true if the configuration gives a code a severity.
 fn is_configured(db: &dyn Db, code: &str) -> bool {
-    let configured = db.workspace().severities(db);
-    configured
-        .iter()
-        .rev()
-        .find(|(candidate, _)| candidate == code)
-        .is_some_and(|(_, to)| to.is_some())
+    matches!(setting(db, code), Some(Some(_)))
 }
 
 /// Returns true if the configuration switches a code off.
 pub(crate) fn is_switched_off(db: &dyn Db, code: &str) -> bool {
-    let configured = db.workspace().severities(db);
-    configured
-        .iter()
-        .rev()
-        .find(|(candidate, _)| candidate == code)
-        .is_some_and(|(_, to)| to.is_none())
+    setting(db, code) == Some(None)
 }
 
 /// Applies the configured severities. Errors are defined by the language and stay.
 fn configure(db: &dyn Db, diagnostics: &mut Vec<Diagnostic>) {
-    let configured = db.workspace().severities(db);
-    if configured.is_empty() {
-        return;
-    }
     diagnostics.retain_mut(|diagnostic| {
-        let setting = configured.iter().rev().find(|(code, _)| code == diagnostic.code);
-        match setting {
-            Some(_) if diagnostic.severity == Severity::Error => true,
-            Some((_, None)) => false,
-            Some((_, Some(severity))) => {
-                diagnostic.severity = *severity;
-                true
-            }
-            None => true,
+        let configured =
+            setting(db, diagnostic.code).filter(|_| diagnostic.severity != Severity::Error);
+        if let Some(Some(severity)) = configured {
+            diagnostic.severity = severity;
         }
+        configured != Some(None)
     });
 }

@@ -9,10 +9,7 @@ use std::{fs, path::Path, sync::Arc};
 
 use camino::Utf8Path;
 use dotgen_analysis::{
-    codes::{
-        self,
-        checks::{all, find},
-    },
+    codes::{self, find},
     diagnostic::{Diagnostic, Severity},
     host::{AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags},
 };
@@ -71,7 +68,7 @@ fn diagnostics(text: &str) -> Vec<(usize, &'static str, String)> {
 fn every_code_has_a_fixture_that_triggers_it() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/codes");
     let mut failures = Vec::new();
-    for code in all() {
+    for code in codes::checks::CODES {
         let path = folder.join(code.id).with_extension("gen");
         let Ok(fixture) = fs::read_to_string(&path) else {
             failures.push(format!("{}: there is no fixture", code.id));

@@ -10,7 +10,7 @@ use std::{
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::{
-    codes::checks as codes,
+    codes::checks,
     diagnostic::{Diagnostic, Severity},
     host::{
         AnalysisHost, BatchInput, Change, Config, FileContent, Input, Loader, PackageFlags,
@@ -204,6 +204,10 @@ fn code_of(check: &str) -> &str {
     }
 }
 
+fn is_check(id: &str) -> bool {
+    checks::CODES.iter().any(|code| code.id == id)
+}
+
 /// If the suite expects only a rule of the elaborator, dotgen must report the same rule.
 fn check_codes(want: &Json, errors: &[&Diagnostic]) -> Result<(), String> {
     let wanted: Vec<&Json> = want["errors"].as_array().into_iter().flatten().collect();
@@ -213,9 +217,7 @@ fn check_codes(want: &Json, errors: &[&Diagnostic]) -> Result<(), String> {
     };
     for error in wanted.iter().filter(|error| error["consequence"] != true) {
         let codes = ids(&error["line"]);
-        if codes.is_empty()
-            || codes.iter().any(|code| codes::find(code).is_none() && *code != "dropped")
-        {
+        if codes.is_empty() || codes.iter().any(|code| !is_check(code) && *code != "dropped") {
             continue;
         }
         let ours: Vec<&&Diagnostic> = errors
@@ -368,7 +370,7 @@ fn published_specifications_are_accepted() {
             let found = unit.diagnostics.iter();
             let found: Vec<String> = found
                 .filter(|diagnostic| {
-                    diagnostic.severity == Severity::Error || codes::find(diagnostic.code).is_some()
+                    diagnostic.severity == Severity::Error || is_check(diagnostic.code)
                 })
                 .map(show)
                 .collect();

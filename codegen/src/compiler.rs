@@ -5,7 +5,7 @@ mod place;
 use std::sync::Arc;
 
 use camino::Utf8PathBuf;
-use dotgen_analysis::codes::checks as codes;
+use dotgen_analysis::codes;
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_analysis::host::{
     AnalysisHost, BatchInput, Change, Config, FileContent, Input, Loader, UnitResult,

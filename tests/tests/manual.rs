@@ -15,20 +15,13 @@ use dotgen_timing::scn::codes as scenarios;
 
 /// The codes of all layers.
 fn all() -> impl Iterator<Item = Code> {
-    let codels = DriftCode::ALL.map(|codel| Code {
-        id: codel.as_str(),
-        severity: codel.severity(),
-        on: true,
-        reference: false,
-    });
-    let scenarios = scenarios::CODES.iter().map(|code| Code {
-        id: code.id,
-        severity: match code.severity {
+    let codels = DriftCode::ALL.map(|codel| Code::new(codel.as_str(), codel.severity()));
+    let scenarios = scenarios::CODES.iter().map(|code| {
+        let severity = match code.severity {
             ScenarioSeverity::Error => Severity::Error,
             ScenarioSeverity::Warning => Severity::Warning,
-        },
-        on: true,
-        reference: false,
+        };
+        Code::new(code.id, severity)
     });
     codes::all().chain(codels).chain(check::CODES.iter().copied()).chain(scenarios)
 }

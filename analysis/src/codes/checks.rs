@@ -3,47 +3,29 @@
 //! The codes are those of the language reference, section 19; additional codes, which the reference compiler
 //! does not have, are marked with [`ours`].
 
-use super::Cause::{self, BrokenMachine, NamelessDeclaration, OpenMachine, UnreadText};
-use crate::diagnostic::Severity;
-
-/// An entry of the table: one code.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Code {
-    /// The code, as shown and as used in configuration.
-    pub id: &'static str,
-    /// Severity unless configured otherwise.
-    pub severity: Severity,
-    /// Set if the reference compiler reports it too.
-    pub reference: bool,
-    /// The causes of which the finding can be a mere consequence.
-    pub follows: &'static [Cause],
-}
-
-impl Code {
-    const fn follows(self, follows: &'static [Cause]) -> Code {
-        Code { follows, ..self }
-    }
-}
+use super::Cause::{BrokenMachine, NamelessDeclaration, OpenMachine, UnreadText};
+use super::Code;
+use crate::diagnostic::Severity::{Hint, Warning};
 
 const fn error(id: &'static str) -> Code {
-    Code { id, severity: Severity::Error, reference: true, follows: &[] }
+    Code::error(id)
 }
 
 const fn warning(id: &'static str) -> Code {
-    Code { severity: Severity::Warning, ..error(id) }
+    Code { severity: Warning, ..error(id) }
 }
 
 const fn hint(id: &'static str) -> Code {
-    Code { severity: Severity::Hint, ..error(id) }
+    Code { severity: Hint, ..error(id) }
 }
 
 /// Marks a code that the reference compiler does not report.
 const fn ours(code: Code) -> Code {
-    Code { reference: false, ..code }
+    code.of_reference(false)
 }
 
-/// All codes, by family, in the order of the reference.
-const CODES: &[Code] = &[
+/// All codes that elaboration and the checks of components report, by family, in the order of the reference.
+pub const CODES: &[Code] = &[
     // Names and types.
     error("name-clash"),
     error("name-clash-module"),
@@ -168,13 +150,3 @@ const CODES: &[Code] = &[
     ours(warning("lists-itself")),
     ours(warning("unused-task").follows(&[UnreadText])),
 ];
-
-/// All codes that elaboration and the checks of components report.
-pub fn all() -> impl Iterator<Item = &'static Code> {
-    CODES.iter()
-}
-
-/// The entry of a code.
-pub fn find(id: &str) -> Option<&'static Code> {
-    all().find(|code| code.id == id)
-}

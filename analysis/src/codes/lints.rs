@@ -1,27 +1,11 @@
 //! The table of rules, from which settings are generated. Each has a page in `docs/diagnostics`.
 
-use crate::codes::Cause::{self, *};
+use super::Cause::*;
+use super::Code;
 use crate::diagnostic::Severity::{self, *};
 
-/// A rule as shown to users.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct LintCode {
-    /// Stable name, as shown and as used in configuration and suppressions.
-    pub id: &'static str,
-    /// Severity unless configured otherwise.
-    pub severity: Severity,
-    /// Set if it is reported unless configured otherwise.
-    pub on: bool,
-    /// Set if the rule reports something missing, so it runs only if the specification is accepted.
-    pub absence: bool,
-    /// Set if the marked text can be removed; editors fade it.
-    pub unnecessary: bool,
-    /// The causes of which the finding can be a mere consequence.
-    pub follows: &'static [Cause],
-}
-
-/// The entry of a code.
-pub fn find(id: &str) -> Option<&'static LintCode> {
+/// The entry of a rule.
+pub fn find(id: &str) -> Option<&'static Code> {
     CODES.iter().find(|code| code.id == id)
 }
 
@@ -30,30 +14,12 @@ pub const UNUSED_SUPPRESSION: &str = "lint/unused-suppression";
 /// A comment that allows a code without a reason.
 pub const NO_REASON: &str = "lint/no-reason";
 
-pub(super) const fn lint(id: &'static str, severity: Severity) -> LintCode {
-    LintCode { id, severity, on: true, absence: false, unnecessary: false, follows: &[] }
-}
-
-impl LintCode {
-    const fn off(self) -> LintCode {
-        LintCode { on: false, ..self }
-    }
-
-    const fn absence(self) -> LintCode {
-        LintCode { absence: true, ..self }
-    }
-
-    const fn unnecessary(self) -> LintCode {
-        LintCode { unnecessary: true, ..self }
-    }
-
-    const fn follows(self, follows: &'static [Cause]) -> LintCode {
-        LintCode { follows, ..self }
-    }
+pub(super) const fn lint(id: &'static str, severity: Severity) -> Code {
+    Code::new(id, severity)
 }
 
 /// All rules.
-pub const CODES: &[LintCode] = &[
+pub const CODES: &[Code] = &[
     lint("fsm/busy-loop", Information),
     lint("fsm/no-termination", Warning).absence().follows(&[BrokenMachine, OpenMachine]),
     lint("fsm/pause-in-aperiodic-task", Information),

@@ -1,11 +1,11 @@
 //! The findings of verification. `dotgen_timing` computes them and the editor shows them; they are listed
 //! here so that the manual and the configuration have one table.
 
-use crate::codes::lints::{LintCode, lint};
+use super::{Code, lints::lint};
 use crate::diagnostic::Severity::*;
 
 /// All verification codes.
-pub const CODES: &[LintCode] = &[
+pub const CODES: &[Code] = &[
     lint("timing/deadline-miss", Warning),
     lint("timing/response-exceeded", Warning),
     lint("timing/check-failed", Warning),

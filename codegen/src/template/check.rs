@@ -17,11 +17,7 @@ pub const TCL: &str = "template/tcl";
 pub const COMMENT: &str = "template/comment";
 
 /// The codes of this module.
-pub const CODES: &[Code] = &[
-    Code { id: MARKER, severity: Severity::Error, on: true, reference: true },
-    Code { id: TCL, severity: Severity::Error, on: true, reference: true },
-    Code { id: COMMENT, severity: Severity::Error, on: true, reference: true },
-];
+pub const CODES: &[Code] = &[Code::error(MARKER), Code::error(TCL), Code::error(COMMENT)];
 
 pub fn source(path: &Utf8Path, text: &str) -> Vec<Diagnostic> {
     let places = Places { path, text };

@@ -1,6 +1,7 @@
 //! The output of the preprocessor for one file.
 
 use rowan::TextRange;
+use serde::{Deserialize, Serialize};
 use smol_str::SmolStr;
 
 use super::{Element, IncludeRequest, MacroEnv, MacroSite};
@@ -32,14 +33,13 @@ pub struct MacroUse {
     pub site: Option<MacroSite>,
 }
 
-/// The severity of a report.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+/// The severity of a finding. Only errors reject a specification.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Severity {
-    /// The specification is rejected.
     Error,
-    /// Accepted, but suspicious.
     Warning,
-    /// Worth knowing.
+    Information,
     Hint,
 }
 
