@@ -23,6 +23,7 @@ use serde_json::{Value, json};
 
 use crate::features::codels::judged_actions::JudgedActions;
 use crate::features::commands::SHOW_VERIFICATION;
+use crate::features::specification::code_action::touches;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_views::verification::{Problem, problem};
@@ -149,9 +150,7 @@ fn write_out(
     let unit = snapshot.analysis.root_unit(path)?;
     let heading = problem::components(&unit.spec).any(|component| {
         let place = unit.locations.locate(component.src);
-        place.is_some_and(|place| {
-            place.path == *path && place.range.start <= range.end && range.start <= place.range.end
-        })
+        place.is_some_and(|place| place.path == *path && touches(&place.range, range))
     });
     let target = path.with_extension(language::SCENARIO);
     if !(heading || given_up.is_some()) || target.exists() || snapshot.open.contains_key(&target) {

@@ -37,6 +37,7 @@ pub(crate) struct OpenFile {
 }
 
 /// The state of the server at the time of a request.
+#[derive(Clone)]
 pub(crate) struct Snapshot {
     /// The queries of analysis.
     pub analysis: Analysis,
@@ -52,6 +53,7 @@ pub(crate) struct Snapshot {
     pub client: Arc<ClientCaps>,
     /// Number of applied changes.
     pub revision: u64,
+    /// The answers of verification.
     pub(crate) verification: Arc<dotgen_views::verification::results::Results>,
     /// `.scn` files of the workspace.
     pub(crate) scenarios: Arc<BTreeSet<Utf8PathBuf>>,
@@ -64,8 +66,10 @@ pub(crate) struct Snapshot {
     /// The progress of the answer, for display.
     pub(crate) progress: Arc<Progress>,
     /// Shared by all live snapshots.
-    readers: Arc<()>,
-    lines: RefCell<FxHashMap<Utf8PathBuf, Option<Arc<Lines>>>>,
+    #[expect(dead_code, reason = "the writer counts the clones")]
+    pub(crate) readers: Arc<()>,
+    /// Stored conversions of positions.
+    pub(crate) lines: RefCell<FxHashMap<Utf8PathBuf, Option<Arc<Lines>>>>,
 }
 
 /// The document of a request.
@@ -80,67 +84,13 @@ pub(crate) struct Subject {
 }
 
 impl Snapshot {
-    /// A snapshot without stored conversions.
-    #[allow(clippy::too_many_arguments, reason = "one for each field")]
-    pub(crate) fn new(
-        analysis: Analysis,
-        open: Arc<FxHashMap<Utf8PathBuf, OpenFile>>,
-        roots: Arc<Vec<Utf8PathBuf>>,
-        folders: Arc<Vec<Utf8PathBuf>>,
-        config: Arc<Config>,
-        client: Arc<ClientCaps>,
-        revision: u64,
-        vfs: Arc<Vfs>,
-        codels: Arc<codels::Cache>,
-        readers: Arc<()>,
-    ) -> Snapshot {
-        Snapshot {
-            analysis,
-            open,
-            roots,
-            folders,
-            config,
-            client,
-            revision,
-            verification: Arc::default(),
-            scenarios: Arc::default(),
-            templates: Arc::default(),
-            vfs,
-            codels,
-            progress: Arc::default(),
-            readers,
-            lines: RefCell::default(),
-        }
-    }
-
-    /// A copy, for another thread.
-    pub(crate) fn fork(&self) -> Snapshot {
-        Snapshot {
-            analysis: self.analysis.clone(),
-            open: self.open.clone(),
-            roots: self.roots.clone(),
-            folders: self.folders.clone(),
-            config: self.config.clone(),
-            client: self.client.clone(),
-            revision: self.revision,
-            verification: self.verification.clone(),
-            scenarios: self.scenarios.clone(),
-            templates: self.templates.clone(),
-            vfs: self.vfs.clone(),
-            codels: self.codels.clone(),
-            progress: self.progress.clone(),
-            readers: self.readers.clone(),
-            lines: RefCell::default(),
-        }
-    }
-
     /// Applies `f` to every item, on all cores; see [`parallel::map`].
     pub(crate) fn on_all_cores<T: Sync, R: Send>(
         &self,
         items: &[T],
         f: impl Fn(&Snapshot, &T) -> R + Sync,
     ) -> Vec<R> {
-        parallel::map(items, || self.fork(), |argument| f(self, argument), &f)
+        parallel::map(items, || self.clone(), |argument| f(self, argument), &f)
     }
 
     /// The lines of a file; `None` if it cannot be read.

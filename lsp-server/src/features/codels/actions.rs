@@ -22,6 +22,7 @@ use crate::features::commands::SHOW_CODEL;
 use crate::features::convert::diagnostic;
 use crate::features::convert::edit::{EditResult, Review, edit_of, is_wanted, with_edit};
 use crate::features::project_settings;
+use crate::features::specification::code_action::touches;
 use crate::protocol::convert::Lines;
 use crate::protocol::types::*;
 use crate::protocol::user_result::UserResult;
@@ -122,12 +123,8 @@ impl Work<'_> {
     ) -> Cancellable<bool> {
         let one = std::slice::from_ref(drift);
         let all = diagnostics(one, &*self.folder.unit.locations, Side::Both);
-        let touches = |entry: &dotgen_analysis::diagnostic::Diagnostic| {
-            entry.path == self.subject.path
-                && entry.range.start <= range.end
-                && range.start <= entry.range.end
-        };
-        let Some(here) = all.into_iter().find(touches) else {
+        let mut all = all.into_iter().filter(|entry| entry.path == self.subject.path);
+        let Some(here) = all.find(|entry| touches(&entry.range, range)) else {
             return Ok(false);
         };
         let shown = diagnostic::to_proto(self.snapshot, &here)?;
@@ -195,9 +192,7 @@ impl Work<'_> {
             let selected = |src| {
                 let place = self.folder.unit.locations.locate(src);
                 place.is_some_and(|place| {
-                    place.path == self.subject.path
-                        && place.range.start <= range.end
-                        && range.start <= place.range.end
+                    place.path == self.subject.path && touches(&place.range, range)
                 })
             };
             let mut wanted: Vec<(String, Vec<CodelRef>)> = Vec::new();

@@ -15,6 +15,7 @@ use super::headers::{FOLDER, IGNORED};
 use crate::features::codels::Disk;
 use crate::features::codels::judged_actions::JudgedActions;
 use crate::features::convert::diagnostic;
+use crate::features::specification::code_action::touches;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
@@ -42,25 +43,18 @@ pub(crate) fn actions(
     range: &Range<usize>,
     offers: &mut JudgedActions<'_, '_, '_>,
 ) -> Cancellable<Vec<CodeActionOrCommand>> {
-    let touches = |diagnostic: &&Diagnostic| {
-        diagnostic.range.start <= range.end && range.start <= diagnostic.range.end
-    };
-    let mut here =
-        found.iter().filter(|diagnostic| is_environment(diagnostic.code)).filter(touches);
-    let cause = here.next();
+    let cause =
+        found.iter().find(|finding| is_environment(finding.code) && touches(&finding.range, range));
     let missing = snapshot.analysis.missing_includes(&subject.path)?;
     let mut missing = missing.iter().map(|include| &include.range);
     // An include that depends on a missing package has no finding of its own.
-    if cause.is_none() && !missing.any(|other| other.start <= range.end && range.start <= other.end)
-    {
+    if cause.is_none() && !missing.any(|other| touches(other, range)) {
         return Ok(Vec::new());
     }
     let root = snapshot.analysis.root_of(&subject.path)?;
     let all = snapshot.analysis.stand_ins(&root)?;
     // At an include: the stand-in for that file. At a package: every stand-in.
-    let at = |input: &&StandIn| {
-        input.by == subject.path && input.at.start <= range.end && range.start <= input.at.end
-    };
+    let at = |input: &&StandIn| input.by == subject.path && touches(&input.at, range);
     let only_here = all.iter().any(|stand_in| at(&stand_in));
     let mut out = Vec::new();
     for stand_in in all.iter().filter(|stand_in| !only_here || at(stand_in)) {

@@ -5,8 +5,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use camino::Utf8Path;
+use dotgen_codegen::codels::edit::line_edits;
 use dotgen_codegen::template::{Concern, PreviewFile};
-use similar::{Algorithm, DiffOp, capture_diff_slices};
 
 use crate::protocol::convert::{Encoding, Lines, uri};
 use crate::protocol::types::*;
@@ -114,25 +114,9 @@ pub(crate) fn workspace_edit(changes: &[FileChange], able: EditSupport) -> Works
 
 /// The edits that turn one text into the other, by whole lines.
 fn text_edits(before: &str, after: &str, able: EditSupport) -> Vec<TextEdit> {
-    let old: Vec<&str> = before.split_inclusive('\n').collect();
-    let new: Vec<&str> = after.split_inclusive('\n').collect();
-    let starts = |lines: &[&str]| -> Vec<usize> {
-        let ends = lines.iter().scan(0, |at, line| {
-            *at += line.len();
-            Some(*at)
-        });
-        std::iter::once(0).chain(ends).collect()
-    };
-    let (old_at, new_at) = (starts(&old), starts(&new));
     let lines = Lines::new(Arc::from(before), able.encoding);
-    let ops = capture_diff_slices(Algorithm::Myers, &old, &new);
-    let changed = ops.iter().filter(|slice| !matches!(slice, DiffOp::Equal { .. }));
-    let edit = |op: &DiffOp| {
-        let (old, new) = (op.old_range(), op.new_range());
-        let range = lines.range(&(old_at[old.start]..old_at[old.end]));
-        TextEdit::new(range, after[new_at[new.start]..new_at[new.end]].to_owned())
-    };
-    changed.map(edit).collect()
+    let edits = line_edits(before, after).into_iter();
+    edits.map(|edit| TextEdit::new(lines.range(&edit.range), edit.text)).collect()
 }
 
 #[cfg(test)]

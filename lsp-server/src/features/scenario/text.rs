@@ -4,12 +4,14 @@ use std::ops::Range;
 
 use dotgen_analysis::diagnostic::FileEdit;
 use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::ide::{FoldKind, FoldingRange as Fold};
 use dotgen_timing::scn;
 use dotgen_timing::scn::lexer::{Kind, lex};
 use dotgen_timing::scn::selection;
 
 use crate::features::convert::edit::text_edits;
-use crate::features::specification::selection_range;
+use crate::features::specification::code_action::touches;
+use crate::features::specification::{folding_range, selection_range};
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
@@ -49,7 +51,7 @@ fn formatted(
         return Ok(None);
     };
     let edits = edits.into_iter().filter(|(range, new)| {
-        let touched = part.is_none_or(|part| part.start <= range.end && range.start <= part.end);
+        let touched = part.is_none_or(|part| touches(part, range));
         touched && text[range.clone()].replace("\r\n", "\n") != *new
     });
     let edits: Vec<FileEdit> = edits
@@ -78,41 +80,23 @@ pub(super) fn folds(
     subject: &Subject,
     _: &FoldingRangeParams,
 ) -> Cancellable<Option<Vec<FoldingRange>>> {
-    let (Some(text), Some(lines)) =
-        (snapshot.analysis.text(&subject.path)?, snapshot.lines(&subject.path)?)
-    else {
+    let Some(text) = snapshot.analysis.text(&subject.path)? else {
         return Ok(None);
     };
     let mut open = Vec::new();
     let mut out = Vec::new();
-    let mut fold = |from: usize, to: usize, kind: Option<FoldingRangeKind>| {
-        let range = lines.range(&(from..to));
-        let whole = snapshot.client.line_folding_only;
-        let last = range.end.line - u32::from(whole && kind.is_none() && range.end.line > 0);
-        if last > range.start.line {
-            out.push(FoldingRange {
-                start_line: range.start.line,
-                start_character: (!whole).then_some(range.start.character),
-                end_line: last,
-                end_character: (!whole).then_some(range.end.character),
-                kind,
-                collapsed_text: None,
-            });
-        }
-    };
     for token in lex(&text) {
         match token.kind {
             Kind::OpenBrace => open.push(token.range.end),
             Kind::CloseBrace => {
-                if let Some(from) = open.pop() {
-                    fold(from, token.range.start, None);
-                }
+                let range = open.pop().map(|from| from..token.range.start);
+                out.extend(range.map(|range| Fold { range, kind: None }));
             }
             Kind::BlockComment => {
-                fold(token.range.start, token.range.end, Some(FoldingRangeKind::Comment));
+                out.push(Fold { range: token.range, kind: Some(FoldKind::Comment) });
             }
             _ => {}
         }
     }
-    Ok(Some(out))
+    folding_range::answer(snapshot, subject, &out)
 }

@@ -8,6 +8,7 @@ use dotgen_timing::scn::words;
 use rustc_hash::FxHashMap;
 
 use super::read;
+use crate::features::specification::code_action::touches;
 use crate::features::specification::semantic_tokens;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
@@ -32,7 +33,7 @@ pub(super) fn range(
         return Ok(None);
     };
     let mut tokens = tokens(snapshot, subject)?;
-    tokens.retain(|token| token.range.start <= part.end && part.start <= token.range.end);
+    tokens.retain(|token| touches(&token.range, &part));
     let data = semantic_tokens::encoded(snapshot, subject, tokens)?;
     Ok(data.map(|data| SemanticTokensRangeResult::Tokens(SemanticTokens { result_id: None, data })))
 }

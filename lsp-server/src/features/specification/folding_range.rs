@@ -1,7 +1,7 @@
 //! `textDocument/foldingRange`
 
 use dotgen_analysis::host::Cancellable;
-use dotgen_analysis::ide::FoldKind;
+use dotgen_analysis::ide::{FoldKind, FoldingRange as Fold};
 
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
@@ -11,11 +11,19 @@ pub(crate) fn handle(
     subject: &Subject,
     _: &FoldingRangeParams,
 ) -> Cancellable<Option<Vec<FoldingRange>>> {
+    answer(snapshot, subject, &snapshot.analysis.folding_ranges(&subject.path)?)
+}
+
+/// The ranges with more than one line, as the client needs them.
+pub(crate) fn answer(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    folds: &[Fold],
+) -> Cancellable<Option<Vec<FoldingRange>>> {
     let Some(lines) = snapshot.lines(&subject.path)? else {
         return Ok(None);
     };
     let whole_lines = snapshot.client.line_folding_only;
-    let folds = snapshot.analysis.folding_ranges(&subject.path)?;
     let convert = folds.iter().filter_map(|folding_range| {
         let range = lines.range(&folding_range.range);
         // A client that folds whole lines would hide the text after the closing brace.

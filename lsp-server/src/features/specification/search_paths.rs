@@ -10,6 +10,7 @@ use toml_edit::{Array, DocumentMut, value};
 use crate::config;
 use crate::features::convert::edit::{Review, edit_of, with_edit};
 use crate::features::project_settings::{edit, project};
+use crate::features::specification::code_action::touches;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_platform::files::vfs;
@@ -39,16 +40,15 @@ pub(crate) fn fixes(
     range: &Range<usize>,
     out: &mut Vec<CodeActionOrCommand>,
 ) -> Cancellable<()> {
-    let touches = |other: &Range<usize>| other.start <= range.end && range.start <= other.end;
     let mut includes = snapshot.analysis.missing_includes(&subject.path)?;
     let mut packages = snapshot.analysis.missing_packages(&subject.path)?;
-    let at_include = includes.iter().any(|include| touches(&include.range));
-    let at_package = packages.iter().any(|package| touches(&package.range));
+    let at_include = includes.iter().any(|include| touches(&include.range, range));
+    let at_package = packages.iter().any(|package| touches(&package.range, range));
     if !at_include && !at_package {
         return Ok(());
     }
-    includes.retain(|include| at_package || touches(&include.range));
-    packages.retain(|package| at_include || touches(&package.range));
+    includes.retain(|include| at_package || touches(&include.range, range));
+    packages.retain(|package| at_include || touches(&package.range, range));
     let Some(project) = project(snapshot, &subject.path) else {
         return Ok(());
     };

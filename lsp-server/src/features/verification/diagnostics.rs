@@ -17,6 +17,7 @@ use dotgen_timing::report::{CheckReport, Value};
 use super::problems::about;
 use super::{has_refuting_run, place, tasks};
 use crate::config::Level;
+use crate::features::specification::code_action::touches;
 use crate::protocol::types::Uri;
 use crate::workspace::snapshot::Snapshot;
 use dotgen_timing::report::Verdict;
@@ -54,9 +55,6 @@ pub(super) fn at(
     range: &Range<usize>,
 ) -> Cancellable<Vec<(Uri, AboutCheck)>> {
     let mut out = Vec::new();
-    let touches = |check: &AboutCheck| {
-        check.diagnostic.range.start <= range.end && range.start <= check.diagnostic.range.end
-    };
     for (of, entry) in about(snapshot, path) {
         let found = if language::is_scenario(path) {
             scenario(snapshot, entry, path)
@@ -64,8 +62,8 @@ pub(super) fn at(
             specification(snapshot, entry, path)
         };
         if let Some(uri) = snapshot.uri(of) {
-            let here = found.into_iter().filter(touches);
-            out.extend(here.map(|scenario| (uri.clone(), scenario)));
+            let here = found.into_iter().filter(|check| touches(&check.diagnostic.range, range));
+            out.extend(here.map(|check| (uri.clone(), check)));
         }
     }
     Ok(out)

@@ -1,6 +1,7 @@
 //! Readers: requests and the computation of diagnostics get a snapshot in their turn and work on other
 //! threads.
 
+use std::cell::RefCell;
 use std::sync::Arc;
 
 use super::State;
@@ -21,22 +22,23 @@ pub(super) struct Readers {
 
 impl State {
     pub(super) fn snapshot(&self) -> Snapshot {
-        let mut snapshot = Snapshot::new(
-            self.host.analysis(),
-            self.documents.open_files().clone(),
-            self.roots.clone(),
-            Arc::new(self.workspace.scanned_folders()),
-            self.config.clone(),
-            self.client.clone(),
-            self.revision(),
-            self.vfs.clone(),
-            self.codels.clone(),
-            self.readers.count.clone(),
-        );
-        snapshot.verification = self.verifier.results().clone();
-        snapshot.scenarios = self.workspace.scenarios.clone();
-        snapshot.templates = self.workspace.templates.clone();
-        snapshot
+        Snapshot {
+            analysis: self.host.analysis(),
+            open: self.documents.open_files().clone(),
+            roots: self.roots.clone(),
+            folders: Arc::new(self.workspace.scanned_folders()),
+            config: self.config.clone(),
+            client: self.client.clone(),
+            revision: self.revision(),
+            verification: self.verifier.results().clone(),
+            scenarios: self.workspace.scenarios.clone(),
+            templates: self.workspace.templates.clone(),
+            vfs: self.vfs.clone(),
+            codels: self.codels.clone(),
+            progress: Arc::default(),
+            readers: self.readers.count.clone(),
+            lines: RefCell::default(),
+        }
     }
 
     /// Admits a request in its turn and sends it to the blocking pool.
