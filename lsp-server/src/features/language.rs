@@ -34,7 +34,7 @@ pub(crate) struct LanguageFeatures {
     /// Links to the files that are named in a document.
     pub(crate) links: HandlerOf<DocumentLinkRequest>,
     /// The tokens of a document, for colours.
-    pub(crate) tokens: Handler<SemanticTokensParams, Option<Vec<SemanticToken>>>,
+    pub(crate) tokens: HandlerOf<SemanticTokensFullRequest>,
     /// The tokens of a part of a document.
     pub(crate) tokens_in: HandlerOf<SemanticTokensRangeRequest>,
     /// The definition of a name.

@@ -98,6 +98,7 @@ impl LanguageServer for Backend {
         folding_range, FoldingRangeRequest, document => folds;
         selection_range, SelectionRangeRequest, document => selections;
         document_link, DocumentLinkRequest, document => links;
+        semantic_tokens_full, SemanticTokensFullRequest, document => tokens;
         semantic_tokens_range, SemanticTokensRangeRequest, document => tokens_in;
         goto_definition, GotoDefinition, place => definition;
         goto_declaration, GotoDeclaration, place => declaration;
@@ -283,14 +284,5 @@ impl LanguageServer for Backend {
         params: WorkspaceDiagnosticParams,
     ) -> Result<WorkspaceDiagnosticReportResult> {
         Ok(self.diagnose(params).await?.into())
-    }
-
-    async fn semantic_tokens_full(
-        &self,
-        params: SemanticTokensParams,
-    ) -> Result<Option<SemanticTokensResult>> {
-        let uri = params.text_document.uri.clone();
-        let tokens = self.dispatch.feature(uri, params, |features| features.tokens).await?;
-        Ok(tokens.map(|data| SemanticTokens { result_id: None, data }.into()))
     }
 }

@@ -18,7 +18,7 @@ pub(super) fn full(
     snapshot: &Snapshot,
     subject: &Subject,
     _: &SemanticTokensParams,
-) -> Cancellable<Option<Vec<SemanticToken>>> {
+) -> Cancellable<Option<SemanticTokensResult>> {
     semantic_tokens::encoded(snapshot, subject, tokens(snapshot, subject)?)
 }
 
@@ -34,8 +34,7 @@ pub(super) fn range(
     };
     let mut tokens = tokens(snapshot, subject)?;
     tokens.retain(|token| touches(&token.range, &part));
-    let data = semantic_tokens::encoded(snapshot, subject, tokens)?;
-    Ok(data.map(|data| SemanticTokensRangeResult::Tokens(SemanticTokens { result_id: None, data })))
+    semantic_tokens::encoded(snapshot, subject, tokens)
 }
 
 fn tokens(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Vec<Token>> {

@@ -7,11 +7,11 @@ use crate::protocol::convert::semantic_tokens::encode;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-pub(crate) fn full<P>(
+pub(crate) fn full(
     snapshot: &Snapshot,
     subject: &Subject,
-    _: &P,
-) -> Cancellable<Option<Vec<SemanticToken>>> {
+    _: &SemanticTokensParams,
+) -> Cancellable<Option<SemanticTokensResult>> {
     let tokens = snapshot.analysis.semantic_tokens(&subject.path, None)?;
     encoded(snapshot, subject, tokens)
 }
@@ -28,19 +28,18 @@ pub(crate) fn range(
         return Ok(None);
     };
     let tokens = (snapshot.analysis).semantic_tokens(&subject.path, Some(range))?;
-    let data = encoded(snapshot, subject, tokens)?;
-    Ok(data.map(|data| SemanticTokensRangeResult::Tokens(SemanticTokens { result_id: None, data })))
+    encoded(snapshot, subject, tokens)
 }
 
 /// The tokens of a document as the client wants them, in the form of the protocol.
-pub(crate) fn encoded(
+pub(crate) fn encoded<R: From<SemanticTokens>>(
     snapshot: &Snapshot,
     subject: &Subject,
     mut tokens: Vec<Token>,
-) -> Cancellable<Option<Vec<SemanticToken>>> {
+) -> Cancellable<Option<R>> {
     if snapshot.client.augments_syntax_tokens {
         tokens.retain(|token| !token.ty.is_lexical());
     }
-    let lines = snapshot.lines(&subject.path)?;
-    Ok(lines.map(|lines| encode(&tokens, &lines)))
+    let data = snapshot.lines(&subject.path)?.map(|lines| encode(&tokens, &lines));
+    Ok(data.map(|data| SemanticTokens { result_id: None, data }.into()))
 }
