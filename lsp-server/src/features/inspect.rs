@@ -1,11 +1,9 @@
 //! Requests that show internal representations of a document: `dotgen/syntaxTree`, `dotgen/model`, …
 
 use dotgen_analysis::host::Cancellable;
-use serde_json::Value;
+use serde_json::{Value, json};
 
-use crate::protocol::messages::{
-    DocumentParams, IncludingRoots, MacroExpansion, PositionParams, ReleaseInfo,
-};
+use crate::protocol::messages::{DocumentParams, IncludingRoots, PositionParams, ReleaseInfo};
 use crate::workspace::snapshot::{Snapshot, Subject};
 
 /// `dotgen/syntaxTree`: the tree as text.
@@ -42,7 +40,7 @@ pub(crate) fn expand_macro(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &PositionParams,
-) -> Cancellable<Option<MacroExpansion>> {
+) -> Cancellable<Option<Value>> {
     let Some(at) = snapshot.cursor(subject, params.position)? else {
         return Ok(None);
     };
@@ -50,10 +48,9 @@ pub(crate) fn expand_macro(
         return Ok(None);
     };
     let location = snapshot.location(&at.path, &found.range)?;
-    Ok(location.map(|location| MacroExpansion {
-        name: found.info.name.into(),
-        expansion: found.info.expansion,
-        range: location.range,
+    Ok(location.map(|location| {
+        let (name, expansion) = (found.info.name, found.info.expansion);
+        json!({ "name": name, "expansion": expansion, "range": location.range })
     }))
 }
 

@@ -28,9 +28,9 @@ use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_views::verification::{Problem, problem};
 
-pub(crate) use answer::{Question, VerificationParams, VerificationResult, prepare, present};
+pub(crate) use answer::{Question, VerificationParams, prepare, present};
 pub(crate) use diagnostics::{in_scenario, in_specification};
-pub(crate) use export::{ExportParams, ExportResult, to_export};
+pub(crate) use export::{ExportParams, to_export};
 pub(crate) use lens::{hover, lenses, scenario_lenses};
 pub(crate) use sensitivity::{SensitivityParams, SensitivityResult, ask, shown};
 pub(crate) use trace::{TraceResult, trace};

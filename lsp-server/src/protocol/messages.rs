@@ -60,18 +60,6 @@ pub struct PositionParams {
     pub position: Position,
 }
 
-/// Answer of `dotgen/expandMacro`.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub struct MacroExpansion {
-    /// Name of the macro.
-    pub name: String,
-    /// The expanded text.
-    pub expansion: String,
-    /// The call.
-    pub range: Range,
-}
-
 /// Answer of `dotgen/includingRoots`: the roots in whose units a document may be shown.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]

@@ -133,7 +133,7 @@ impl Backend {
     pub(crate) async fn verification(
         &self,
         params: verification::VerificationParams,
-    ) -> Result<Option<verification::VerificationResult>> {
+    ) -> Result<Option<Value>> {
         self.verified(params, verification::present).await
     }
 
@@ -182,7 +182,7 @@ impl Backend {
     pub(crate) async fn export_model(
         &self,
         params: verification::ExportParams,
-    ) -> Result<Option<verification::ExportResult>> {
+    ) -> Result<Option<Value>> {
         let uri = params.text_document.uri.clone();
         match self.dispatch.document(uri, params, verification::to_export).await? {
             Some(model) => model.export().await.map(Some),
@@ -191,10 +191,7 @@ impl Backend {
     }
 
     /// `dotgen/codelHeaders`
-    pub(crate) async fn codel_headers(
-        &self,
-        params: DocumentParams,
-    ) -> Result<Option<codels::headers::CodelHeaders>> {
+    pub(crate) async fn codel_headers(&self, params: DocumentParams) -> Result<Option<Value>> {
         let uri = params.text_document.uri.clone();
         let scope = RequestScope::default();
         let answer = self.dispatch.language(scope, uri, params, |_, snapshot, subject, params| {

@@ -16,7 +16,7 @@ use crate::features::language::LanguageFeatures;
 use crate::features::specification::{call_hierarchy, code_lens, completion, rename};
 use crate::features::{codels, commands, diagnostics, features_of, inspect, workspace_symbol};
 use crate::protocol::messages::{
-    ChooseRoot, DocumentParams, IncludingRoots, MacroExpansion, PositionParams, ReleaseInfo,
+    ChooseRoot, DocumentParams, IncludingRoots, PositionParams, ReleaseInfo,
 };
 use crate::protocol::types::request::*;
 use crate::protocol::types::*;
@@ -58,7 +58,7 @@ impl Backend {
     inspections! {
         syntax_tree -> Option<String>, DocumentParams;
         item_tree -> Option<String>, DocumentParams;
-        expand_macro -> Option<MacroExpansion>, PositionParams;
+        expand_macro -> Option<Value>, PositionParams;
         including_roots -> IncludingRoots, DocumentParams;
         release -> ReleaseInfo, DocumentParams;
         model -> Value, DocumentParams;

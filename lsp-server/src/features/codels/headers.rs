@@ -3,12 +3,12 @@
 
 use dotgen_analysis::host::{AnalysisHost, Cancellable};
 use dotgen_codegen::codels::command;
-use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use crate::features::codels::judged_actions;
 use crate::features::codels::{self, Texts};
 use crate::protocol::messages::DocumentParams;
-use crate::protocol::types::*;
+use crate::protocol::user_result::UserResult;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
 /// Folder for generated headers, next to the specification.
@@ -17,31 +17,13 @@ pub const FOLDER: &str = ".dotgen";
 /// Text of the `.gitignore` in that folder: every file in it can be generated again.
 pub const IGNORED: &str = "*\n";
 
-/// A file to be written.
-#[derive(Debug, Serialize, Deserialize)]
-pub(crate) struct HeaderFile {
-    /// Its path.
-    uri: Uri,
-    /// The whole text.
-    text: String,
-}
-
-/// Answer of `dotgen/codelHeaders`.
-#[derive(Debug, Serialize, Deserialize)]
-pub(crate) struct CodelHeaders {
-    /// The folder of all files. Its `compile_flags.txt` is for clangd's `--compile-commands-dir`.
-    folder: Uri,
-    /// In order of paths.
-    files: Vec<HeaderFile>,
-}
-
-/// The headers, or the errors of the specification.
+/// The headers with their folder, or the errors of the specification. The `compile_flags.txt` of the folder is
+/// for clangd's `--compile-commands-dir`.
 pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
     _: &DocumentParams,
-) -> Cancellable<crate::protocol::user_result::UserResult<CodelHeaders>> {
-    use crate::protocol::user_result::UserResult;
+) -> Cancellable<UserResult<Value>> {
     let mut specification = None;
     for compared in codels::around(snapshot, &subject.path)? {
         specification = compared.folders().next().map(|folder| folder.specification.clone());
@@ -64,17 +46,14 @@ pub(crate) fn handle(
     };
     drop(project);
     texts.check()?;
-    let files = files.into_iter().filter_map(|file| {
-        Some(HeaderFile { uri: snapshot.uri(&output.join(file.path))?, text: file.text })
-    });
-    let ignored = HeaderFile {
-        uri: match snapshot.uri(&output.join(".gitignore")) {
-            Some(uri) => uri,
-            None => return Ok(UserResult::default()),
-        },
-        text: IGNORED.to_owned(),
-    };
-    let files = std::iter::once(ignored).chain(files).collect();
-    let answer = snapshot.uri(&output).map(|folder| CodelHeaders { folder, files });
-    Ok(UserResult(Ok(answer)))
+    let ignored = (output.join(".gitignore"), IGNORED.to_owned());
+    let headers = files.into_iter().map(|file| (output.join(file.path), file.text));
+    let mut files = Vec::new();
+    for (path, text) in std::iter::once(ignored).chain(headers) {
+        if let Some(uri) = snapshot.uri(&path) {
+            files.push(json!({ "uri": uri, "text": text }));
+        }
+    }
+    let folder = snapshot.uri(&output);
+    Ok(UserResult(Ok(folder.map(|folder| json!({ "folder": folder, "files": files })))))
 }

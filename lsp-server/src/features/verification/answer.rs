@@ -11,6 +11,7 @@ use dotgen_timing::diagnostic::remark::together;
 use dotgen_timing::report::TimeUnit;
 use dotgen_timing::verify::{Cancel, Options, settings};
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use super::place;
 use super::problems::{self, about};
@@ -62,134 +63,6 @@ impl VerificationParams {
     pub(super) fn check(&self) -> Option<usize> {
         self.check
     }
-}
-
-/// Answer of `dotgen/verification`.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(crate) struct VerificationResult {
-    /// The scenario, or the specification that is verified without one.
-    uri: Option<Uri>,
-    /// Version of the verified document.
-    version: Option<i32>,
-    status: Option<Status>,
-    /// True if the result is of an earlier text.
-    earlier: bool,
-    /// The number of answered checks, until all are answered.
-    how_far: Option<String>,
-    scenario: String,
-    /// True if the scenario is in a file.
-    written: bool,
-    /// Cores, policy and durations, as text.
-    platform: String,
-    cores: Option<u32>,
-    policy: String,
-    durations: String,
-    /// The errors that prevent an answer.
-    errors: Vec<String>,
-    /// Assumptions of the model, and their places.
-    warnings: Vec<WarningResult>,
-    /// A way to settle checks that gave up.
-    advice: Option<String>,
-    checks: Vec<CheckResult>,
-    /// Quick bounds by task.
-    bounds: Vec<BoundResult>,
-    minimum_cores: Option<u32>,
-    /// Changes with which all deadlines and limits are met, if some are missed; one sentence each.
-    repairs: Vec<String>,
-    assumptions: Vec<String>,
-    notes: Vec<String>,
-    blocking: Vec<BlockedResult>,
-    codels: Vec<CodelResult>,
-    run: Option<RunResult>,
-    states: usize,
-    seconds: f64,
-    /// True for the answer to a variation.
-    what_if: bool,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct WarningResult {
-    message: String,
-    location: Option<Location>,
-}
-
-/// A check and its answer.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct CheckResult {
-    name: Option<String>,
-    check: String,
-    of: String,
-    verdict: String,
-    /// A restriction of the verdict, if it is not exact.
-    worth: Option<String>,
-    value: Option<String>,
-    limit: Option<String>,
-    slack: Option<String>,
-    note: Option<String>,
-    condition: Option<String>,
-    /// The cause of a task's failure, in one sentence.
-    cause: Option<String>,
-    /// A change with which the check holds, if one is known.
-    remedy: Option<String>,
-    /// The causes of a late job.
-    reason: Vec<String>,
-    has_run: bool,
-    location: Option<Location>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct BoundResult {
-    task: String,
-    bound: String,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct BlockedResult {
-    codel: String,
-    location: Option<Location>,
-    by: Vec<BlockerResult>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct BlockerResult {
-    codel: String,
-    location: Option<Location>,
-    /// Longest time for which it holds the lock.
-    time: String,
-    through: String,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct CodelResult {
-    path: String,
-    /// Longest execution time in microseconds; none if it is unbounded.
-    wcet: Option<f64>,
-    location: Option<Location>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct RunResult {
-    check: usize,
-    title: String,
-    /// What the run is to its check: `a run that refutes it`.
-    shows: String,
-    /// The run as text: a line for each event, or for a part that is repeated.
-    events: Vec<EventResult>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct EventResult {
-    text: String,
-    location: Option<Location>,
 }
 
 /// The verification of a document, copied from a snapshot.
@@ -361,7 +234,7 @@ pub(crate) fn present(
     snapshot: &Snapshot,
     _: &Subject,
     question: &Question,
-) -> Cancellable<Option<VerificationResult>> {
+) -> Cancellable<Option<Value>> {
     let Question { shown, params } = question;
     let PreparedAnswer { prepared, answer, errors } = shown;
     let options = answer.as_ref().map_or(&prepared.options, |answer| &answer.options);
@@ -369,57 +242,69 @@ pub(crate) fn present(
     let settings = settings(&problem.scenario, options);
     let unit = TimeUnit::of(&settings);
     let (codels, blocking) = codels(snapshot, prepared, problem, options, unit)?;
-    let mut out = VerificationResult {
-        uri: prepared.uri.clone(),
-        version: prepared.version,
-        status: Some(prepared.status),
-        earlier: prepared.earlier,
-        scenario: problem.scenario.name.clone(),
-        written: prepared.problem.is_written(),
-        platform: summary::platform(&settings),
-        cores: settings.cores,
-        policy: settings.policy().name().to_owned(),
-        durations: settings.durations.name().to_owned(),
-        errors: errors.clone(),
-        bounds: (prepared.bounds.iter())
-            .map(|bound| BoundResult { task: bound.task.clone(), bound: unit.show(bound.bound) })
-            .collect(),
-        blocking,
-        codels,
-        what_if: !params.what_if.is_nothing(),
-        ..VerificationResult::default()
-    };
+    let bounds = prepared.bounds.iter();
+    let bounds = bounds.map(|bound| json!({ "task": bound.task, "bound": unit.show(bound.bound) }));
+    let mut out = json!({
+        "uri": prepared.uri,
+        "version": prepared.version,
+        "status": prepared.status,
+        "earlier": prepared.earlier,
+        "howFar": null,
+        "scenario": problem.scenario.name,
+        "written": prepared.problem.is_written(),
+        "platform": summary::platform(&settings),
+        "cores": settings.cores,
+        "policy": settings.policy().name(),
+        "durations": settings.durations.name(),
+        "errors": errors,
+        "warnings": [],
+        "advice": null,
+        "checks": [],
+        "bounds": bounds.collect::<Vec<_>>(),
+        "minimumCores": null,
+        "repairs": [],
+        "assumptions": [],
+        "notes": [],
+        "blocking": blocking,
+        "codels": codels,
+        "run": null,
+        "states": 0,
+        "seconds": 0.0,
+        "whatIf": !params.what_if.is_nothing(),
+    });
     let Some(answer) = answer else {
         return Ok(Some(out));
     };
     let report = &answer.report;
+    let mut errors = errors.clone();
+    let mut warnings = Vec::new();
     for diagnostic in together(&report.diagnostics) {
         if diagnostic.severity == Severity::Error {
-            out.errors.push(diagnostic.message);
+            errors.push(diagnostic.message);
             continue;
         }
         let at = prepared.places.diagnostic(&diagnostic);
-        out.warnings.push(WarningResult {
-            location: snapshot.location(&at.path, &at.range)?,
-            message: at.message,
-        });
+        let location = snapshot.location(&at.path, &at.range)?;
+        warnings.push(json!({ "message": at.message, "location": location }));
     }
+    out["errors"] = json!(errors);
+    out["warnings"] = json!(warnings);
     if report.answered() < report.checks.len() && !prepared.earlier {
-        out.how_far = Some(report.how_far());
+        out["howFar"] = json!(report.how_far());
     }
-    out.advice = advice::of_report(report, problem, advice::Names::Settings);
-    out.minimum_cores = answer.cores.as_ref().and_then(|core| core.cores);
+    out["advice"] = json!(advice::of_report(report, problem, advice::Names::Settings));
+    out["minimumCores"] = json!(answer.cores.as_ref().and_then(|core| core.cores));
     let repairs = answer.repairs.all.iter();
-    out.repairs = repairs.map(|repair| repair.words.clone()).collect();
-    out.assumptions.clone_from(&report.assumptions);
-    out.notes.clone_from(&report.notes);
-    out.states = report.states;
-    out.seconds = report.seconds;
-    for check in &answer.view().checks {
-        out.checks.push(shown_check(snapshot, prepared, check)?);
-    }
+    out["repairs"] = repairs.map(|repair| repair.words.clone()).collect();
+    out["assumptions"] = json!(report.assumptions);
+    out["notes"] = json!(report.notes);
+    out["states"] = json!(report.states);
+    out["seconds"] = json!(report.seconds);
+    let checks = answer.view().checks;
+    let checks = checks.iter().map(|check| shown_check(snapshot, prepared, check));
+    out["checks"] = checks.collect::<Cancellable<_>>()?;
     if let Some(chosen) = runs::chosen(report, params.check) {
-        out.run = Some(shown_run(snapshot, prepared, answer, chosen)?);
+        out["run"] = shown_run(snapshot, prepared, answer, chosen)?;
     }
     Ok(Some(out))
 }
@@ -431,31 +316,24 @@ fn codels(
     problem: &Problem,
     options: &Options,
     unit: TimeUnit,
-) -> Cancellable<(Vec<CodelResult>, Vec<BlockedResult>)> {
+) -> Cancellable<(Vec<Value>, Vec<Value>)> {
     let location = |at: &CodelLocation| locate(snapshot, &prepared.places, at.src);
     let mut blocked = Vec::new();
     let mut codels = Vec::new();
     for row in &blocking::table(problem, options) {
-        codels.push(CodelResult {
-            path: row.codel.path.to_string(),
-            wcet: row.codel.micros,
-            location: location(&row.codel)?,
-        });
+        let (path, place) = (row.codel.path.to_string(), location(&row.codel)?);
+        codels.push(json!({ "path": path, "wcet": row.codel.micros, "location": place }));
         let mut by = Vec::new();
         for blocker in &row.by {
-            by.push(BlockerResult {
-                codel: blocker.codel.path.to_string(),
-                location: location(&blocker.codel)?,
-                time: blocker.codel.upper.map_or("no end".to_owned(), |number| unit.show(number)),
-                through: Phrase::joined(&blocker.through, ", ").to_string(),
-            });
+            by.push(json!({
+                "codel": blocker.codel.path.to_string(),
+                "location": location(&blocker.codel)?,
+                "time": blocker.codel.upper.map_or("no end".to_owned(), |number| unit.show(number)),
+                "through": Phrase::joined(&blocker.through, ", ").to_string(),
+            }));
         }
         if !by.is_empty() {
-            blocked.push(BlockedResult {
-                codel: row.codel.path.to_string(),
-                location: location(&row.codel)?,
-                by,
-            });
+            blocked.push(json!({ "codel": path, "location": place, "by": by }));
         }
     }
     Ok((codels, blocked))
@@ -473,33 +351,29 @@ pub(super) fn locate(
     }
 }
 
-fn shown_check(
-    snapshot: &Snapshot,
-    prepared: &Prepared,
-    view: &CheckView,
-) -> Cancellable<CheckResult> {
+fn shown_check(snapshot: &Snapshot, prepared: &Prepared, view: &CheckView) -> Cancellable<Value> {
     let check = view.report;
     let location = match &view.written {
         Some(range) => snapshot.location(&prepared.places.path, range)?,
         None => None,
     };
-    Ok(CheckResult {
-        name: check.name.clone(),
-        check: check.kind.word().to_owned(),
-        of: check.of.clone(),
-        verdict: view.verdict.word().to_owned(),
-        worth: view.worth.map(str::to_owned),
-        value: view.value.clone(),
-        limit: view.limit.clone(),
-        slack: view.slack.clone(),
-        note: check.note.clone(),
-        condition: view.condition.clone(),
-        cause: view.cause.clone(),
-        remedy: view.remedy.clone(),
-        reason: view.reason.clone(),
-        has_run: !check.run().is_empty(),
-        location,
-    })
+    Ok(json!({
+        "name": check.name,
+        "check": check.kind.word(),
+        "of": check.of,
+        "verdict": view.verdict.word(),
+        "worth": view.worth,
+        "value": view.value,
+        "limit": view.limit,
+        "slack": view.slack,
+        "note": check.note,
+        "condition": view.condition,
+        "cause": view.cause,
+        "remedy": view.remedy,
+        "reason": view.reason,
+        "hasRun": !check.run().is_empty(),
+        "location": location,
+    }))
 }
 
 /// Number of events shown of a long run: its last ones. The trace has all of them.
@@ -511,14 +385,16 @@ fn shown_run(
     prepared: &Prepared,
     answer: &Answer,
     number: usize,
-) -> Cancellable<RunResult> {
+) -> Cancellable<Value> {
     let check = &answer.report.checks[number];
     let unit = answer.unit();
     let omitted = check.run().len().saturating_sub(MAX_EVENTS);
     let events = &check.run()[omitted..];
     let cycle = check.cycle.and_then(|cycle| cycle.checked_sub(omitted));
     let mut lines = Vec::new();
-    let mut line = |text: String, location| lines.push(EventResult { text, location });
+    let mut line = |text: String, location: Option<Location>| {
+        lines.push(json!({ "text": text, "location": location }));
+    };
     if omitted > 0 {
         line(format!("… {omitted} steps before are not shown"), None);
     }
@@ -541,10 +417,10 @@ fn shown_run(
             }
         }
     }
-    Ok(RunResult {
-        check: number,
-        title: runs::title(check),
-        shows: runs::shows(check).to_owned(),
-        events: lines,
-    })
+    Ok(json!({
+        "check": number,
+        "title": runs::title(check),
+        "shows": runs::shows(check),
+        "events": lines,
+    }))
 }

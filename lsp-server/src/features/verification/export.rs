@@ -16,6 +16,7 @@ use dotgen_timing::system::{Machine, TimedSystem, unfolded};
 use dotgen_timing::verify::{self, Cancel, Options, Prepared, SystemInput};
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use super::answer::CancelOnDrop;
 use super::problems::problem_of;
@@ -49,28 +50,6 @@ enum FormatName {
     TChecker,
     Fiacre,
     Bip,
-}
-
-/// Answer of `dotgen/exportModel`.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(crate) enum ExportResult {
-    Files(Vec<ModelFile>),
-    /// The reasons against a model: errors, and everything that the model cannot contain.
-    Refusals(Vec<RefusalResult>),
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-pub(crate) struct ModelFile {
-    /// Name, without a folder.
-    name: String,
-    text: String,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-pub(crate) struct RefusalResult {
-    message: String,
-    location: Option<Location>,
 }
 
 /// The system of a document with the texts of its files, copied from a snapshot.
@@ -110,17 +89,18 @@ impl ModelInput {
     /// # Errors
     ///
     /// `InternalError` after a panic.
-    pub(crate) async fn export(self) -> Result<ExportResult> {
+    pub(crate) async fn export(self) -> Result<Value> {
         let cancel = Arc::new(Cancel::default());
         let _guard = CancelOnDrop(cancel.clone());
         let work = tokio::task::spawn_blocking(move || match self.files(&cancel) {
-            Ok(files) => ExportResult::Files(files),
+            Ok(files) => json!({ "files": files }),
+            // The reasons against a model: errors, and everything that the model cannot contain.
             Err(reasons) => {
-                let place = |(message, path, range): Reason| {
-                    let location = self.location(&path, &range);
-                    RefusalResult { message, location }
+                let place = |(message, path, range): &Reason| {
+                    let location = self.location(path, range);
+                    json!({ "message": message, "location": location })
                 };
-                ExportResult::Refusals(reasons.into_iter().map(place).collect())
+                json!({ "refusals": reasons.iter().map(place).collect::<Vec<_>>() })
             }
         });
         work.await.map_err(|error| {
@@ -129,7 +109,7 @@ impl ModelInput {
         })
     }
 
-    fn files(&self, cancel: &Cancel) -> std::result::Result<Vec<ModelFile>, Vec<Reason>> {
+    fn files(&self, cancel: &Cancel) -> std::result::Result<Vec<Value>, Vec<Reason>> {
         let problem = &self.problem;
         let failures = |found: &mut dyn Iterator<Item = Diagnostic>| -> Vec<Reason> {
             let found = found.filter(|diagnostic| diagnostic.severity == Severity::Error);
@@ -167,8 +147,8 @@ impl ModelInput {
                 format!("the model is larger than {} MB; use `dotgen export`", MAX_BYTES >> 20);
             return Err(whole(most));
         }
-        let files = files.into_iter();
-        Ok(files.map(|file| ModelFile { name: file.name, text: file.text }).collect())
+        let files = files.iter();
+        Ok(files.map(|file| json!({ "name": file.name, "text": file.text })).collect())
     }
 
     /// A reason at the check, client, task or service with a name, or else at the name of the scenario.

@@ -3,34 +3,22 @@
 use dotgen_analysis::host::Cancellable;
 use dotgen_codegen::codels::edit::Edit;
 use dotgen_timing::advice::Change;
-use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use crate::features::codels::judged_actions::{self, JudgedActions};
-use crate::protocol::types::{
-    CodeAction, CodeActionKind, CodeActionOrCommand, Diagnostic, WorkspaceEdit,
-};
+use crate::protocol::types::{CodeAction, CodeActionKind, CodeActionOrCommand, Diagnostic};
 use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_views::verification::what_if::WhatIf;
 use dotgen_views::verification::{Problem, changes};
 
-/// A change that repairs a check, for a viewer of its run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct Remedy {
-    /// The change, in the imperative.
-    title: String,
-    edit: WorkspaceEdit,
-    /// The same change as a variation; `None` if a variation cannot say it.
-    what_if: Option<WhatIf>,
-}
-
-/// The remedies among changes that are edits which the judge accepts.
+/// The remedies among changes that are edits which the judge accepts, for a viewer of the run. `whatIf` is the
+/// same change as a variation; it is `null` if a variation cannot say it.
 pub(super) fn of_run(
     snapshot: &Snapshot,
     subject: &Subject,
     problem: &Problem,
     changes: &[Change],
-) -> Cancellable<Vec<Remedy>> {
+) -> Cancellable<Vec<Value>> {
     if changes.is_empty() {
         return Ok(Vec::new());
     }
@@ -42,7 +30,8 @@ pub(super) fn of_run(
             if let Some(CodeActionOrCommand::CodeAction(action)) = judged
                 && let Some(edit) = action.edit
             {
-                out.push(Remedy { title: action.title, edit, what_if: WhatIf::of(change) });
+                let what_if = WhatIf::of(change);
+                out.push(json!({ "title": action.title, "edit": edit, "whatIf": what_if }));
             }
         }
         Ok(out)

@@ -12,12 +12,13 @@ use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::build::build;
 use dotgen_timing::verify::{Cancel, Options, settings};
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use super::answer::{CancelOnDrop, Prepared, VerificationParams, locate};
 use crate::protocol::outbox::Outbox;
 use crate::protocol::types::{
-    Location, ProgressParams, ProgressParamsValue, ProgressToken, TextDocumentIdentifier,
-    WorkDoneProgress, WorkDoneProgressReport, notification,
+    ProgressParams, ProgressParamsValue, ProgressToken, TextDocumentIdentifier, WorkDoneProgress,
+    WorkDoneProgressReport, notification,
 };
 use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_views::verification::Problem;
@@ -56,22 +57,11 @@ pub(crate) struct SensitivityResult {
     /// The smallest number of cores; none if no number is sufficient.
     cores: Option<u32>,
     /// The largest WCET of each codel.
-    wcet: Vec<ExtremeResult>,
+    wcet: Vec<Value>,
     /// The smallest period of each task.
-    period: Vec<ExtremeResult>,
+    period: Vec<Value>,
     /// The most critical value of a system that meets its deadlines, as text.
     next_to_break: Option<String>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct ExtremeResult {
-    of: String,
-    now: String,
-    extreme: String,
-    /// A restriction of the extreme, if it is not exact.
-    remark: String,
-    location: Option<Location>,
 }
 
 /// The result for a document.
@@ -163,16 +153,16 @@ pub(crate) fn shown(
         (format!("{component}.{}", task.name), src)
     });
     let places: Vec<(String, Option<(usize, Src)>)> = codels.chain(tasks).collect();
-    let show = |limit: &Extreme| -> Cancellable<ExtremeResult> {
+    let show = |limit: &Extreme| -> Cancellable<Value> {
         let (extreme, remark) = summary::extreme(limit, unit);
         let place = places.iter().find(|(path, _)| *path == limit.of);
-        Ok(ExtremeResult {
-            of: limit.of.clone(),
-            now: unit.show_value(limit.now),
-            extreme,
-            remark,
-            location: locate(snapshot, &asked.problem, place.and_then(|place| place.1))?,
-        })
+        Ok(json!({
+            "of": limit.of,
+            "now": unit.show_value(limit.now),
+            "extreme": extreme,
+            "remark": remark,
+            "location": locate(snapshot, &asked.problem, place.and_then(|place| place.1))?,
+        }))
     };
     out.cores = found.minimum_cores.cores;
     let next = found.next_to_break.as_ref();

@@ -9,10 +9,11 @@ use dotgen_views::verification::results::Answer;
 use dotgen_views::verification::runs::{Ending, chosen, ending, title};
 use dotgen_views::verification::trace::{Trace, TraceInput, of_run};
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use super::answer::{Question, locate};
 use super::diagnostics::changes;
-use super::remedy::{self, Remedy};
+use super::remedy;
 use crate::protocol::types::Location;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
@@ -26,20 +27,13 @@ pub(crate) struct TraceResult {
     trace: Trace<Option<Location>>,
     /// The number of the check.
     check: usize,
-    /// The steps that may follow, if the request has `after`.
+    /// The steps that may follow, if the request has `after`, and the number of steps of the trace before each
+    /// chosen step.
     #[serde(skip_serializing_if = "Option::is_none")]
-    next: Option<Next>,
+    next: Option<Value>,
     /// Changes that repair the check.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
-    remedies: Vec<Remedy>,
-}
-
-/// The steps that may follow the end of a run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Next {
-    choices: Vec<String>,
-    /// Number of steps of the trace before each chosen step.
-    taken: Vec<usize>,
+    remedies: Vec<Value>,
 }
 
 /// The run of a check, for a client; none if there is no run.
@@ -89,9 +83,9 @@ pub(crate) fn trace(
         Vec::new()
     };
     let remedies = remedy::of_run(snapshot, subject, places, &changes)?;
-    let next = simulation.map(|simulation| Next {
-        choices: simulation.choices.iter().map(|choice| in_words(choice, answer)).collect(),
-        taken: simulation.taken,
+    let next = simulation.map(|simulation| {
+        let choices = simulation.choices.iter().map(|choice| in_words(choice, answer));
+        json!({ "choices": choices.collect::<Vec<_>>(), "taken": simulation.taken })
     });
     Ok(Some(TraceResult { trace, check: number, next, remedies }))
 }
