@@ -8,10 +8,10 @@ use dotgen_analysis::host::Cancellable;
 use crate::protocol::types::request::*;
 use crate::protocol::types::*;
 use crate::protocol::user_result::UserResult;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Subject};
 
 /// A function that answers a request about a document.
-pub(crate) type Handler<P, A> = fn(&Snapshot, &Subject, &P) -> Cancellable<A>;
+pub(crate) type Handler<P, A> = fn(&Snapshot, &Subject, &P) -> Answer<A>;
 
 /// The handler of a request of the protocol.
 type HandlerOf<R> = Handler<<R as Request>::Params, <R as Request>::Result>;
@@ -110,6 +110,6 @@ impl LanguageFeatures {
 }
 
 /// The empty answer.
-fn nothing<P, A: Default>(_: &Snapshot, _: &Subject, _: &P) -> Cancellable<A> {
+fn nothing<P, A: Default>(_: &Snapshot, _: &Subject, _: &P) -> Answer<A> {
     Ok(A::default())
 }

@@ -10,7 +10,7 @@ use serde_json::json;
 
 use crate::features::commands::{RUN, SIMULATE};
 use crate::protocol::types::{CodeLens, CodeLensParams, Command};
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Subject};
 
 /// `Simulate` and `Run` over every component, at the place of its name. Empty for clients that do not run
 /// components.
@@ -40,7 +40,7 @@ pub(crate) fn scenario_lenses(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &CodeLensParams,
-) -> Cancellable<Option<Vec<CodeLens>>> {
+) -> Answer<Option<Vec<CodeLens>>> {
     let verdicts = super::verification::scenario_lenses(snapshot, subject, params)?;
     if !offered(snapshot) {
         return Ok(verdicts);

@@ -28,7 +28,7 @@ use crate::protocol::convert::Lines;
 use crate::protocol::convert::symbol::{Symbol, response};
 use crate::protocol::types::{self, *};
 use crate::protocol::user_result::UserResult;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Stop, Subject};
 use dotgen_views::verification::Problem;
 use dotgen_views::verification::problem;
 
@@ -64,17 +64,10 @@ struct Cursor {
 }
 
 impl Cursor {
-    fn new(
-        snapshot: &Snapshot,
-        subject: &Subject,
-        position: Position,
-    ) -> Cancellable<Option<Cursor>> {
-        let (Some(at), Some(lines)) =
-            (snapshot.cursor(subject, position)?, snapshot.lines(&subject.path)?)
-        else {
-            return Ok(None);
-        };
-        Ok(Some(Cursor { problem: read(snapshot, &subject.path)?, offset: at.offset, lines }))
+    fn new(snapshot: &Snapshot, subject: &Subject, position: Position) -> Answer<Cursor> {
+        let at = snapshot.at(subject, position)?;
+        let lines = snapshot.text_lines(&subject.path)?;
+        Ok(Cursor { problem: read(snapshot, &subject.path)?, offset: at.offset, lines })
     }
 
     fn touches(&self, range: &Range<usize>) -> bool {
@@ -141,10 +134,8 @@ fn links(
     snapshot: &Snapshot,
     subject: &Subject,
     _: &DocumentLinkParams,
-) -> Cancellable<Option<Vec<DocumentLink>>> {
-    let Some(lines) = snapshot.lines(&subject.path)? else {
-        return Ok(None);
-    };
+) -> Answer<Option<Vec<DocumentLink>>> {
+    let lines = snapshot.text_lines(&subject.path)?;
     let problem = read(snapshot, &subject.path)?;
     let files = problem::named(&problem.scenario, &subject.path);
     let links = files.into_iter().map(|file| DocumentLink {
@@ -162,12 +153,10 @@ fn actions(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &CodeActionParams,
-) -> Cancellable<Option<CodeActionResponse>> {
-    let Some(range) = (snapshot.lines(&subject.path)?).and_then(|line| line.clamped(params.range))
-    else {
-        return Ok(None);
-    };
-    judged_actions::offers(snapshot, &subject.path, |offers| {
+) -> Answer<Option<CodeActionResponse>> {
+    let lines = snapshot.text_lines(&subject.path)?;
+    let range = lines.clamped(params.range).ok_or(Stop::Nothing)?;
+    let actions = judged_actions::offers(snapshot, &subject.path, |offers| {
         let mut actions = super::verification::actions(snapshot, subject, &range, offers)?;
         for finding in diagnostics(snapshot, &subject.path)? {
             if code_action::touches(&finding.range, &range) {
@@ -185,8 +174,9 @@ fn actions(
             }
             CodeActionOrCommand::Command(_) => true,
         });
-        Ok(Some(actions))
-    })
+        Ok(actions)
+    })?;
+    Ok(Some(actions))
 }
 
 /// The declaration of a name in a path, or the file of a `use`.
@@ -194,35 +184,23 @@ fn definition(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &GotoDefinitionParams,
-) -> Cancellable<Option<GotoDefinitionResponse>> {
+) -> Answer<Option<GotoDefinitionResponse>> {
     let position = params.text_document_position_params.position;
-    let Some(cursor) = Cursor::new(snapshot, subject, position)? else {
-        return Ok(None);
-    };
+    let cursor = Cursor::new(snapshot, subject, position)?;
     let files = problem::named(&cursor.problem.scenario, &subject.path);
     if let Some(file) = files.into_iter().find(|file| cursor.touches(&file.range)) {
         return Ok(snapshot.location(&file.path, &(0..0))?.map(|location| vec![location].into()));
     }
-    let Some(reference) = cursor.reference() else {
-        return Ok(None);
-    };
-    match declaration(snapshot, &cursor.problem, &reference.target)? {
-        Some(declaration) => Ok(snapshot
-            .location(&declaration.path, &declaration.range)?
-            .map(|location| vec![location].into())),
-        None => Ok(None),
-    }
+    let reference = cursor.reference().ok_or(Stop::Nothing)?;
+    let declared = declaration(snapshot, &cursor.problem, &reference.target)?;
+    let place = declared.ok_or(Stop::Nothing)?;
+    let location = snapshot.location(&place.path, &place.range)?;
+    Ok(location.map(|location| vec![location].into()))
 }
 
-fn hover(
-    snapshot: &Snapshot,
-    subject: &Subject,
-    params: &HoverParams,
-) -> Cancellable<Option<Hover>> {
+fn hover(snapshot: &Snapshot, subject: &Subject, params: &HoverParams) -> Answer<Option<Hover>> {
     let position = params.text_document_position_params.position;
-    let Some(cursor) = Cursor::new(snapshot, subject, position)? else {
-        return Ok(None);
-    };
+    let cursor = Cursor::new(snapshot, subject, position)?;
     let Problem { text, scenario, .. } = &cursor.problem;
     let specs = cursor.problem.specs();
     let names = Names::new(&specs);
@@ -251,14 +229,12 @@ fn completion(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &CompletionParams,
-) -> Cancellable<Option<CompletionResponse>> {
+) -> Answer<Option<CompletionResponse>> {
     if !completion::is_wanted(snapshot, subject, params)? {
-        return Ok(None);
+        return Err(Stop::Nothing);
     }
     let position = params.text_document_position.position;
-    let Some(cursor) = Cursor::new(snapshot, subject, position)? else {
-        return Ok(None);
-    };
+    let cursor = Cursor::new(snapshot, subject, position)?;
     let Problem { text, scenario, .. } = &cursor.problem;
     let specs = cursor.problem.specs();
     let names = Names::new(&specs);
@@ -345,12 +321,9 @@ fn symbols(
     snapshot: &Snapshot,
     subject: &Subject,
     _: &DocumentSymbolParams,
-) -> Cancellable<Option<DocumentSymbolResponse>> {
-    let (Some(text), Some(lines)) =
-        (snapshot.analysis.text(&subject.path)?, snapshot.lines(&subject.path)?)
-    else {
-        return Ok(None);
-    };
+) -> Answer<Option<DocumentSymbolResponse>> {
+    let text = snapshot.analysis.text(&subject.path)?.ok_or(Stop::Nothing)?;
+    let lines = snapshot.text_lines(&subject.path)?;
     let entries = outline::outline(&text, &scn::parse(&text).scenario);
     let symbols = entries.into_iter().map(symbol);
     let nested = snapshot.client.hierarchical_symbols;
@@ -383,14 +356,10 @@ fn highlights(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &DocumentHighlightParams,
-) -> Cancellable<Option<Vec<DocumentHighlight>>> {
+) -> Answer<Option<Vec<DocumentHighlight>>> {
     let position = params.text_document_position_params.position;
-    let Some(cursor) = Cursor::new(snapshot, subject, position)? else {
-        return Ok(None);
-    };
-    let Some(reference) = cursor.reference() else {
-        return Ok(None);
-    };
+    let cursor = Cursor::new(snapshot, subject, position)?;
+    let reference = cursor.reference().ok_or(Stop::Nothing)?;
     let specs = cursor.problem.specs();
     let all = Names::new(&specs).references(&cursor.problem.scenario);
     let same = all.into_iter().filter(|other| other.target == reference.target);
@@ -407,20 +376,14 @@ fn declared_at(
     snapshot: &Snapshot,
     subject: &Subject,
     position: Position,
-) -> Cancellable<Option<(FilePosition, types::Range, String)>> {
-    let Some(cursor) = Cursor::new(snapshot, subject, position)? else {
-        return Ok(None);
-    };
-    let Some(reference) = cursor.reference() else {
-        return Ok(None);
-    };
-    let Some(place) = declaration(snapshot, &cursor.problem, &reference.target)? else {
-        return Ok(None);
-    };
+) -> Answer<(FilePosition, types::Range, String)> {
+    let cursor = Cursor::new(snapshot, subject, position)?;
+    let reference = cursor.reference().ok_or(Stop::Nothing)?;
+    let place = declaration(snapshot, &cursor.problem, &reference.target)?.ok_or(Stop::Nothing)?;
     let text = cursor.problem.text.get(reference.range.clone());
     let at = FilePosition { path: place.path, offset: place.range.start };
     let range = cursor.lines.range(&reference.range);
-    Ok(Some((at, range, text.unwrap_or_default().to_owned())))
+    Ok((at, range, text.unwrap_or_default().to_owned()))
 }
 
 /// The mentions of the declaration that a name in a scenario refers to.
@@ -428,12 +391,10 @@ fn references(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &ReferenceParams,
-) -> Cancellable<Option<Vec<Location>>> {
+) -> Answer<Option<Vec<Location>>> {
     let position = params.text_document_position.position;
-    match declared_at(snapshot, subject, position)? {
-        Some((at, ..)) => references::of(snapshot, &at, params.context.include_declaration),
-        None => Ok(None),
-    }
+    let (at, ..) = declared_at(snapshot, subject, position)?;
+    Ok(references::of(snapshot, &at, params.context.include_declaration)?)
 }
 
 /// The range of a name that can be renamed. Names that a scenario declares itself cannot be renamed: they are
@@ -442,13 +403,11 @@ fn prepare_rename(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &TextDocumentPositionParams,
-) -> Cancellable<UserResult<PrepareRenameResponse>> {
-    let found = declared_at(snapshot, subject, params.position)?;
-    let Some((at, range, placeholder)) =
-        found.filter(|triple| !language::is_scenario(&triple.0.path))
-    else {
-        return Ok(UserResult::default());
-    };
+) -> Answer<UserResult<PrepareRenameResponse>> {
+    let (at, range, placeholder) = declared_at(snapshot, subject, params.position)?;
+    if language::is_scenario(&at.path) {
+        return Err(Stop::Nothing);
+    }
     Ok(UserResult(match snapshot.analysis.prepare_rename(&at)? {
         Ok(_) => Ok(Some(PrepareRenameResponse::RangeWithPlaceholder { range, placeholder })),
         Err(error) => Err(error.0),
@@ -460,10 +419,10 @@ fn rename(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &RenameParams,
-) -> Cancellable<UserResult<WorkspaceEdit>> {
-    let found = declared_at(snapshot, subject, params.text_document_position.position)?;
-    match found.filter(|triple| !language::is_scenario(&triple.0.path)) {
-        Some((at, ..)) => rename::rename_at(snapshot, &at, &params.new_name),
-        None => Ok(UserResult::default()),
+) -> Answer<UserResult<WorkspaceEdit>> {
+    let (at, ..) = declared_at(snapshot, subject, params.text_document_position.position)?;
+    if language::is_scenario(&at.path) {
+        return Err(Stop::Nothing);
     }
+    Ok(rename::rename_at(snapshot, &at, &params.new_name)?)
 }

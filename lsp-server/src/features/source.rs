@@ -1,6 +1,6 @@
 //! C and C++ sources of codels: the features that dotgen adds to those of the C and C++ server.
 
-use dotgen_analysis::host::{Analysis, Cancellable};
+use dotgen_analysis::host::Analysis;
 use dotgen_analysis::ide::FilePosition;
 use dotgen_analysis::source_map::Locations;
 use dotgen_codegen::codels::origin::origin;
@@ -14,7 +14,7 @@ use crate::protocol::types::{
     GotoDefinitionParams, GotoDefinitionResponse, Hover, HoverParams, Location, Position, Range,
     ReferenceParams, TextEdit,
 };
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Stop, Subject};
 
 /// The features of sources of codels.
 pub(crate) const FEATURES: LanguageFeatures = LanguageFeatures {
@@ -36,14 +36,8 @@ struct DeclaredName {
 }
 
 /// The declarations of the name at a position of a source.
-fn declared(
-    snapshot: &Snapshot,
-    subject: &Subject,
-    position: Position,
-) -> Cancellable<Option<DeclaredName>> {
-    let Some(at) = snapshot.cursor(subject, position)? else {
-        return Ok(None);
-    };
+fn declared(snapshot: &Snapshot, subject: &Subject, position: Position) -> Answer<DeclaredName> {
+    let at = snapshot.at(subject, position)?;
     let mut out: Option<DeclaredName> = None;
     for compared in codels::around(snapshot, &at.path)? {
         for folder in compared.folders() {
@@ -65,7 +59,7 @@ fn declared(
             }
         }
     }
-    Ok(out)
+    out.ok_or(Stop::Nothing)
 }
 
 /// `textDocument/definition` in a source: the declaration in the specification.
@@ -73,11 +67,9 @@ pub(crate) fn definition(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &GotoDefinitionParams,
-) -> Cancellable<Option<GotoDefinitionResponse>> {
+) -> Answer<Option<GotoDefinitionResponse>> {
     let position = params.text_document_position_params.position;
-    let Some(found) = declared(snapshot, subject, position)? else {
-        return Ok(None);
-    };
+    let found = declared(snapshot, subject, position)?;
     let mut links = Vec::new();
     for at in &found.places {
         // The declaration of a codel's parameter is the declaration of the member or port that it passes.
@@ -98,14 +90,10 @@ pub(crate) fn hover(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &HoverParams,
-) -> Cancellable<Option<Hover>> {
+) -> Answer<Option<Hover>> {
     let position = params.text_document_position_params.position;
-    let Some(found) = declared(snapshot, subject, position)? else {
-        return Ok(None);
-    };
-    let Some(at) = found.places.first() else {
-        return Ok(None);
-    };
+    let found = declared(snapshot, subject, position)?;
+    let at = found.places.first().ok_or(Stop::Nothing)?;
     let hover = snapshot.analysis.hover(at)?;
     Ok(hover.map(|hover| hover::response(snapshot, hover.info.markdown, found.range)))
 }
@@ -115,11 +103,9 @@ pub(crate) fn mentions(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &ReferenceParams,
-) -> Cancellable<Option<Vec<Location>>> {
+) -> Answer<Option<Vec<Location>>> {
     let position = params.text_document_position.position;
-    let Some(found) = declared(snapshot, subject, position)? else {
-        return Ok(None);
-    };
+    let found = declared(snapshot, subject, position)?;
     let mut locations: Vec<Location> = Vec::new();
     for at in &found.places {
         for specification in
@@ -138,16 +124,11 @@ fn completion(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &CompletionParams,
-) -> Cancellable<Option<CompletionResponse>> {
+) -> Answer<Option<CompletionResponse>> {
     let position = params.text_document_position.position;
-    let (Some(at), Some(lines)) =
-        (snapshot.cursor(subject, position)?, snapshot.lines(&subject.path)?)
-    else {
-        return Ok(None);
-    };
-    let Some(written) = written_value(lines.text(), at.offset) else {
-        return Ok(None);
-    };
+    let at = snapshot.at(subject, position)?;
+    let lines = snapshot.text_lines(&subject.path)?;
+    let written = written_value(lines.text(), at.offset).ok_or(Stop::Nothing)?;
     let mut values: Vec<ReturnValue> = Vec::new();
     for compared in codels::around(snapshot, &at.path)? {
         for folder in compared.folders() {

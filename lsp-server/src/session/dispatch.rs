@@ -21,7 +21,7 @@ use crate::protocol::outbox::Outbox;
 use crate::protocol::progress::ProgressReporter;
 use crate::protocol::types::{self, MessageType, Uri};
 use crate::session::post::Post;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Snapshot, Subject, or_empty};
 use dotgen_platform::panic;
 
 /// Maximum number of attempts of a request. At the start the list of files and the settings arrive shortly
@@ -225,7 +225,7 @@ impl Dispatcher {
         R: Default + Send + 'static,
     {
         let work = move |features: &LanguageFeatures, snapshot: &_, subject: &_, params: &_| {
-            feature(features)(snapshot, subject, params)
+            or_empty(feature(features)(snapshot, subject, params))
         };
         self.language(RequestScope::default(), uri, params, work).await
     }

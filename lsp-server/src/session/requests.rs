@@ -20,6 +20,7 @@ use crate::protocol::messages::{
 };
 use crate::protocol::types::request::*;
 use crate::protocol::types::*;
+use crate::workspace::snapshot::or_empty;
 
 pub(super) type Builder = tower_lsp::LspServiceBuilder<Backend>;
 
@@ -120,7 +121,7 @@ impl LanguageServer for Backend {
     async fn code_action(&self, params: CodeActionParams) -> Result<Option<CodeActionResponse>> {
         let uri = params.text_document.uri.clone();
         let actions = |features: &LanguageFeatures, snapshot: &_, subject: &_, params: &_| {
-            (features.actions)(snapshot, subject, params)
+            or_empty((features.actions)(snapshot, subject, params))
         };
         self.dispatch.language(RequestScope::EDITS, uri, params, actions).await
     }
@@ -228,7 +229,7 @@ impl LanguageServer for Backend {
                 match subject {
                     Some(subject) => {
                         let features = features_of(snapshot, &subject.path);
-                        (features.rename)(snapshot, subject, params)
+                        or_empty((features.rename)(snapshot, subject, params))
                     }
                     None => Ok(Default::default()),
                 }

@@ -9,7 +9,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::host::{Analysis, Cancellable, UnitResult};
+use dotgen_analysis::host::{Analysis, Cancellable, Cancelled, UnitResult};
 use dotgen_analysis::ide::FilePosition;
 use dotgen_analysis::language::{self, Language};
 use dotgen_analysis::parallel;
@@ -70,6 +70,32 @@ pub(crate) struct Snapshot {
     pub(crate) readers: Arc<()>,
     /// Stored conversions of positions.
     pub(crate) lines: RefCell<FxHashMap<Utf8PathBuf, Option<Arc<Lines>>>>,
+}
+
+/// A reason why a handler has no answer.
+#[derive(Debug)]
+pub(crate) enum Stop {
+    Cancelled(Cancelled),
+    /// The answer is empty: nothing is at the place of the request, or its document is unknown.
+    Nothing,
+}
+
+impl From<Cancelled> for Stop {
+    fn from(cancelled: Cancelled) -> Stop {
+        Stop::Cancelled(cancelled)
+    }
+}
+
+/// The answer of a handler.
+pub(crate) type Answer<T> = Result<T, Stop>;
+
+/// An answer, empty if there is none.
+pub(crate) fn or_empty<T: Default>(answer: Answer<T>) -> Cancellable<T> {
+    match answer {
+        Ok(answer) => Ok(answer),
+        Err(Stop::Nothing) => Ok(T::default()),
+        Err(Stop::Cancelled(cancelled)) => Err(cancelled),
+    }
 }
 
 /// The document of a request.
@@ -145,6 +171,16 @@ impl Snapshot {
             return Ok(None);
         };
         Ok(lines.offset(position).map(|offset| FilePosition { path: subject.path.clone(), offset }))
+    }
+
+    /// The lines of a file that can be read.
+    pub(crate) fn text_lines(&self, path: &Utf8Path) -> Answer<Arc<Lines>> {
+        self.lines(path)?.ok_or(Stop::Nothing)
+    }
+
+    /// A cursor at a position that exists.
+    pub(crate) fn at(&self, subject: &Subject, position: Position) -> Answer<FilePosition> {
+        self.cursor(subject, position)?.ok_or(Stop::Nothing)
     }
 
     /// The language of a document. Without another one, it is part of a specification.

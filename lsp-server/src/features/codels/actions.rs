@@ -26,7 +26,7 @@ use crate::features::specification::code_action::touches;
 use crate::protocol::convert::Lines;
 use crate::protocol::types::*;
 use crate::protocol::user_result::UserResult;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Stop, Subject};
 
 /// Kind of the action that applies every fix. It is not below `source.fixAll`, which editors run on save
 /// without a question.
@@ -47,11 +47,9 @@ pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &CodeActionParams,
-) -> Cancellable<Option<CodeActionResponse>> {
-    let lines = snapshot.lines(&subject.path)?;
-    let Some(range) = lines.and_then(|line| line.clamped(params.range)) else {
-        return Ok(None);
-    };
+) -> Answer<Option<CodeActionResponse>> {
+    let lines = snapshot.text_lines(&subject.path)?;
+    let range = lines.clamped(params.range).ok_or(Stop::Nothing)?;
     let mut out = Vec::new();
     judged_actions::offers(snapshot, &subject.path, |offers| {
         let wanted = |action_kind: &CodeActionKind| offered(params, action_kind);

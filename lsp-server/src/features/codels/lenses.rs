@@ -13,7 +13,7 @@ use serde_json::json;
 use crate::features::codels;
 use crate::features::commands::{SHOW_CODEL, SHOW_REFERENCES};
 use crate::protocol::types::*;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Subject};
 
 /// Maximum number of uses with a lens of their own. With more, a function has one lens for all.
 const MAX_USES: usize = 3;
@@ -29,13 +29,11 @@ pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
     _: &CodeLensParams,
-) -> Cancellable<Option<Vec<CodeLens>>> {
+) -> Answer<Option<Vec<CodeLens>>> {
     if !snapshot.config.code_lens.codels {
         return Ok(Some(Vec::new()));
     }
-    let Some(lines) = snapshot.lines(&subject.path)? else {
-        return Ok(None);
-    };
+    let lines = snapshot.text_lines(&subject.path)?;
     let mut out = Vec::new();
     for (lens, range) in lenses(snapshot, &subject.path)? {
         let mut locations = Vec::new();

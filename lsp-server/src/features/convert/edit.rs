@@ -10,7 +10,7 @@ use dotgen_syntax::encoding::LineEnd;
 
 use crate::protocol::client::ClientCaps;
 use crate::protocol::types::*;
-use crate::workspace::snapshot::Snapshot;
+use crate::workspace::snapshot::{Answer, Snapshot};
 
 /// An edit for the client. The error is a message for the user.
 pub(crate) type EditResult = std::result::Result<WorkspaceEdit, String>;
@@ -60,10 +60,8 @@ pub(crate) fn text_edits(
     snapshot: &Snapshot,
     path: &Utf8Path,
     edits: &[FileEdit],
-) -> Cancellable<Option<Vec<TextEdit>>> {
-    let Some(lines) = snapshot.lines(path)? else {
-        return Ok(None);
-    };
+) -> Answer<Option<Vec<TextEdit>>> {
+    let lines = snapshot.text_lines(path)?;
     let of_file = edits.iter().filter(|edit| edit.path == path);
     let line_end = LineEnd::of(lines.text());
     let convert = of_file.map(|file| {

@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use dotgen_analysis::diagnostic::FileEdit;
-use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::{FoldKind, FoldingRange as Fold};
 use dotgen_timing::scn;
 use dotgen_timing::scn::lexer::{Kind, lex};
@@ -13,14 +12,14 @@ use crate::features::convert::edit::text_edits;
 use crate::features::specification::code_action::touches;
 use crate::features::specification::{folding_range, selection_range};
 use crate::protocol::types::*;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Stop, Subject};
 
 /// The edits that format a scenario.
 pub(super) fn format(
     snapshot: &Snapshot,
     subject: &Subject,
     _: &DocumentFormattingParams,
-) -> Cancellable<Option<Vec<TextEdit>>> {
+) -> Answer<Option<Vec<TextEdit>>> {
     formatted(snapshot, subject, None)
 }
 
@@ -29,12 +28,10 @@ pub(super) fn format_range(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &DocumentRangeFormattingParams,
-) -> Cancellable<Option<Vec<TextEdit>>> {
-    let lines = snapshot.lines(&subject.path)?;
-    match lines.and_then(|lines| lines.clamped(params.range)) {
-        Some(range) => formatted(snapshot, subject, Some(&range)),
-        None => Ok(None),
-    }
+) -> Answer<Option<Vec<TextEdit>>> {
+    let lines = snapshot.text_lines(&subject.path)?;
+    let range = lines.clamped(params.range).ok_or(Stop::Nothing)?;
+    formatted(snapshot, subject, Some(&range))
 }
 
 /// The edits that format a scenario, or a part of it.
@@ -42,14 +39,10 @@ fn formatted(
     snapshot: &Snapshot,
     subject: &Subject,
     part: Option<&Range<usize>>,
-) -> Cancellable<Option<Vec<TextEdit>>> {
-    let Some(text) = snapshot.analysis.text(&subject.path)? else {
-        return Ok(None);
-    };
+) -> Answer<Option<Vec<TextEdit>>> {
+    let text = snapshot.analysis.text(&subject.path)?.ok_or(Stop::Nothing)?;
     // The formatter writes `\n`. In a text with other line ends, blanks that differ only there stay.
-    let Some(edits) = scn::format_edits(&text) else {
-        return Ok(None);
-    };
+    let edits = scn::format_edits(&text).ok_or(Stop::Nothing)?;
     let edits = edits.into_iter().filter(|(range, new)| {
         let touched = part.is_none_or(|part| touches(part, range));
         touched && text[range.clone()].replace("\r\n", "\n") != *new
@@ -65,10 +58,8 @@ pub(super) fn selections(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &SelectionRangeParams,
-) -> Cancellable<Option<Vec<SelectionRange>>> {
-    let Some(text) = snapshot.analysis.text(&subject.path)? else {
-        return Ok(None);
-    };
+) -> Answer<Option<Vec<SelectionRange>>> {
+    let text = snapshot.analysis.text(&subject.path)?.ok_or(Stop::Nothing)?;
     selection_range::answer(snapshot, subject, params, |offsets| {
         Ok(offsets.iter().map(|&offset| selection::selections(&text, offset)).collect())
     })
@@ -79,10 +70,8 @@ pub(super) fn folds(
     snapshot: &Snapshot,
     subject: &Subject,
     _: &FoldingRangeParams,
-) -> Cancellable<Option<Vec<FoldingRange>>> {
-    let Some(text) = snapshot.analysis.text(&subject.path)? else {
-        return Ok(None);
-    };
+) -> Answer<Option<Vec<FoldingRange>>> {
+    let text = snapshot.analysis.text(&subject.path)?.ok_or(Stop::Nothing)?;
     let mut open = Vec::new();
     let mut out = Vec::new();
     for token in lex(&text) {

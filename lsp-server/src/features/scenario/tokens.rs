@@ -11,14 +11,14 @@ use super::read;
 use crate::features::specification::code_action::touches;
 use crate::features::specification::semantic_tokens;
 use crate::protocol::types::*;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Stop, Subject};
 
 /// The tokens of a whole scenario.
 pub(super) fn full(
     snapshot: &Snapshot,
     subject: &Subject,
     _: &SemanticTokensParams,
-) -> Cancellable<Option<SemanticTokensResult>> {
+) -> Answer<Option<SemanticTokensResult>> {
     semantic_tokens::encoded(snapshot, subject, tokens(snapshot, subject)?)
 }
 
@@ -27,11 +27,9 @@ pub(super) fn range(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &SemanticTokensRangeParams,
-) -> Cancellable<Option<SemanticTokensRangeResult>> {
-    let Some(part) = (snapshot.lines(&subject.path)?).and_then(|line| line.clamped(params.range))
-    else {
-        return Ok(None);
-    };
+) -> Answer<Option<SemanticTokensRangeResult>> {
+    let lines = snapshot.text_lines(&subject.path)?;
+    let part = lines.clamped(params.range).ok_or(Stop::Nothing)?;
     let mut tokens = tokens(snapshot, subject)?;
     tokens.retain(|token| touches(&token.range, &part));
     semantic_tokens::encoded(snapshot, subject, tokens)

@@ -8,7 +8,7 @@ use serde_json::json;
 
 use crate::protocol::convert::{symbol, uri};
 use crate::protocol::types::*;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Stop, Subject};
 
 /// The data of an item, which the client returns.
 #[derive(Debug, Serialize, Deserialize)]
@@ -22,14 +22,10 @@ pub(crate) fn prepare(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &CallHierarchyPrepareParams,
-) -> Cancellable<Option<Vec<CallHierarchyItem>>> {
+) -> Answer<Option<Vec<CallHierarchyItem>>> {
     let position = params.text_document_position_params.position;
-    let Some(at) = snapshot.cursor(subject, position)? else {
-        return Ok(None);
-    };
-    let Some(items) = snapshot.analysis.call_hierarchy(&at)? else {
-        return Ok(None);
-    };
+    let at = snapshot.at(subject, position)?;
+    let items = snapshot.analysis.call_hierarchy(&at)?.ok_or(Stop::Nothing)?;
     let mut out = Vec::with_capacity(items.len());
     for call_item in items {
         out.extend(to_proto(snapshot, &subject.path, call_item)?);

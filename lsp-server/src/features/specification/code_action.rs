@@ -12,7 +12,7 @@ use crate::features::convert::edit::{Review, edit_of, is_wanted, with_edit};
 use crate::features::project_settings;
 use crate::features::specification::search_paths;
 use crate::protocol::types::*;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Stop, Subject};
 
 /// Kind of the action that generates files from a component.
 pub(crate) const GENERATE: CodeActionKind = CodeActionKind::new("source.generate");
@@ -28,25 +28,22 @@ pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &CodeActionParams,
-) -> Cancellable<Option<CodeActionResponse>> {
-    judged_actions::offers(snapshot, &subject.path, |offers| {
-        offered(snapshot, subject, params, offers)
-    })
+) -> Answer<Option<CodeActionResponse>> {
+    let lines = snapshot.text_lines(&subject.path)?;
+    let range = lines.clamped(params.range).ok_or(Stop::Nothing)?;
+    let offers =
+        |offers: &mut JudgedActions<'_, '_, '_>| offered(snapshot, subject, params, &range, offers);
+    Ok(judged_actions::offers(snapshot, &subject.path, offers)?)
 }
 
 fn offered(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &CodeActionParams,
+    range: &std::ops::Range<usize>,
     offers: &mut JudgedActions<'_, '_, '_>,
 ) -> Cancellable<Option<CodeActionResponse>> {
     let wanted = |kind: &CodeActionKind| is_wanted(params, kind);
-    let Some(lines) = snapshot.lines(&subject.path)? else {
-        return Ok(None);
-    };
-    let Some(range) = lines.clamped(params.range) else {
-        return Ok(None);
-    };
     let mut actions = Vec::new();
     let codels = |kind: &CodeActionKind| actions::offered(params, kind);
     let mut all = crate::features::codels::unrefuted_findings(snapshot, &subject.path)?;
@@ -66,7 +63,7 @@ fn offered(
                 .push(CodeActionOrCommand::CodeAction(CodeAction { kind: Some(kind), ..fix_all }));
         }
     }
-    for action in crate::features::verification::actions(snapshot, subject, &range, offers)? {
+    for action in crate::features::verification::actions(snapshot, subject, range, offers)? {
         let kind = match &action {
             CodeActionOrCommand::CodeAction(code_action) => code_action.kind.as_ref(),
             CodeActionOrCommand::Command(_) => None,
@@ -75,16 +72,16 @@ fn offered(
             actions.push(action);
         }
     }
-    actions::actions(snapshot, subject, &range, &codels, offers, &mut actions)?;
+    actions::actions(snapshot, subject, range, &codels, offers, &mut actions)?;
     if !wanted(&CodeActionKind::QUICKFIX) {
-        generate(snapshot, subject, &range, params, &mut actions)?;
-        refactorings(snapshot, subject, &range, params, offers, &mut actions)?;
+        generate(snapshot, subject, range, params, &mut actions)?;
+        refactorings(snapshot, subject, range, params, offers, &mut actions)?;
         return Ok(Some(actions));
     }
-    search_paths::fixes(snapshot, subject, &range, &mut actions)?;
-    quick_fixes(snapshot, subject, &all, &range, offers, &mut actions)?;
-    refactorings(snapshot, subject, &range, params, offers, &mut actions)?;
-    generate(snapshot, subject, &range, params, &mut actions)?;
+    search_paths::fixes(snapshot, subject, range, &mut actions)?;
+    quick_fixes(snapshot, subject, &all, range, offers, &mut actions)?;
+    refactorings(snapshot, subject, range, params, offers, &mut actions)?;
+    generate(snapshot, subject, range, params, &mut actions)?;
     Ok(Some(actions))
 }
 

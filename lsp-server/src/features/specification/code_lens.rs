@@ -9,7 +9,7 @@ use serde_json::json;
 use crate::features::commands::{SHOW_DIAGRAM, SHOW_REFERENCES};
 use crate::features::{runs, verification};
 use crate::protocol::types::*;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Subject};
 
 /// The data of a lens that is resolved later.
 #[derive(Debug, Serialize, Deserialize)]
@@ -24,10 +24,8 @@ pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
     _: &CodeLensParams,
-) -> Cancellable<Option<Vec<CodeLens>>> {
-    let Some(lines) = snapshot.lines(&subject.path)? else {
-        return Ok(None);
-    };
+) -> Answer<Option<Vec<CodeLens>>> {
+    let lines = snapshot.text_lines(&subject.path)?;
     let config = &snapshot.config.code_lens;
     let verdicts =
         if config.verdicts { verification::lenses(snapshot, subject)? } else { Vec::new() };

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::features::codels::{self, Texts};
 use crate::protocol::convert::Lines;
 use crate::protocol::types::*;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Stop, Subject};
 
 /// The data of a proposal that is resolved later.
 #[derive(Debug, Serialize, Deserialize)]
@@ -35,16 +35,13 @@ pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &CompletionParams,
-) -> Cancellable<Option<CompletionResponse>> {
+) -> Answer<Option<CompletionResponse>> {
     let position = params.text_document_position.position;
     if !is_wanted(snapshot, subject, params)? {
-        return Ok(None);
+        return Err(Stop::Nothing);
     }
-    let (Some(at), Some(lines)) =
-        (snapshot.cursor(subject, position)?, snapshot.lines(&subject.path)?)
-    else {
-        return Ok(None);
-    };
+    let at = snapshot.at(subject, position)?;
+    let lines = snapshot.text_lines(&subject.path)?;
     let mut items = snapshot.analysis.completions(&at)?;
     functions(snapshot, &at, &mut items)?;
     let convert = (0..).zip(items).map(|(order, completion)| {

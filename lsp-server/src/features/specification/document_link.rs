@@ -1,18 +1,14 @@
 //! `textDocument/documentLink`
 
-use dotgen_analysis::host::Cancellable;
-
 use crate::protocol::types::*;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Subject};
 
 pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
     _: &DocumentLinkParams,
-) -> Cancellable<Option<Vec<DocumentLink>>> {
-    let Some(lines) = snapshot.lines(&subject.path)? else {
-        return Ok(None);
-    };
+) -> Answer<Option<Vec<DocumentLink>>> {
+    let lines = snapshot.text_lines(&subject.path)?;
     let links = snapshot.analysis.document_links(&subject.path)?;
     let convert = links.iter().map(|link| DocumentLink {
         range: lines.range(&link.range),

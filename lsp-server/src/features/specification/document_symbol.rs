@@ -1,19 +1,15 @@
 //! `textDocument/documentSymbol`
 
-use dotgen_analysis::host::Cancellable;
-
 use crate::protocol::convert::symbol::{self, Symbol};
 use crate::protocol::types::*;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Subject};
 
 pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
     _: &DocumentSymbolParams,
-) -> Cancellable<Option<DocumentSymbolResponse>> {
-    let Some(lines) = snapshot.lines(&subject.path)? else {
-        return Ok(None);
-    };
+) -> Answer<Option<DocumentSymbolResponse>> {
+    let lines = snapshot.text_lines(&subject.path)?;
     let symbols = snapshot.analysis.document_symbols(&subject.path)?;
     let symbols = symbols.into_iter().map(Symbol::from);
     let nested = snapshot.client.hierarchical_symbols;

@@ -1,16 +1,15 @@
 //! `textDocument/foldingRange`
 
-use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::{FoldKind, FoldingRange as Fold};
 
 use crate::protocol::types::*;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Subject};
 
 pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
     _: &FoldingRangeParams,
-) -> Cancellable<Option<Vec<FoldingRange>>> {
+) -> Answer<Option<Vec<FoldingRange>>> {
     answer(snapshot, subject, &snapshot.analysis.folding_ranges(&subject.path)?)
 }
 
@@ -19,10 +18,8 @@ pub(crate) fn answer(
     snapshot: &Snapshot,
     subject: &Subject,
     folds: &[Fold],
-) -> Cancellable<Option<Vec<FoldingRange>>> {
-    let Some(lines) = snapshot.lines(&subject.path)? else {
-        return Ok(None);
-    };
+) -> Answer<Option<Vec<FoldingRange>>> {
+    let lines = snapshot.text_lines(&subject.path)?;
     let whole_lines = snapshot.client.line_folding_only;
     let convert = folds.iter().filter_map(|folding_range| {
         let range = lines.range(&folding_range.range);

@@ -5,7 +5,7 @@ use dotgen_analysis::ide::{FilePosition, NavTarget, RangeInfo};
 
 use crate::features::codels::navigation;
 use crate::protocol::types::*;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Subject};
 
 type Targets = Cancellable<Option<RangeInfo<Vec<NavTarget>>>>;
 
@@ -13,7 +13,7 @@ pub(crate) fn definition(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &GotoDefinitionParams,
-) -> Cancellable<Option<GotoDefinitionResponse>> {
+) -> Answer<Option<GotoDefinitionResponse>> {
     goto(snapshot, subject, params, Analysis::goto_definition)
 }
 
@@ -21,7 +21,7 @@ pub(crate) fn declaration(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &GotoDeclarationParams,
-) -> Cancellable<Option<GotoDeclarationResponse>> {
+) -> Answer<Option<GotoDeclarationResponse>> {
     goto(snapshot, subject, params, Analysis::goto_declaration)
 }
 
@@ -29,7 +29,7 @@ pub(crate) fn type_definition(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &GotoTypeDefinitionParams,
-) -> Cancellable<Option<GotoTypeDefinitionResponse>> {
+) -> Answer<Option<GotoTypeDefinitionResponse>> {
     goto(snapshot, subject, params, Analysis::goto_type_definition)
 }
 
@@ -37,12 +37,10 @@ pub(crate) fn implementation(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &GotoImplementationParams,
-) -> Cancellable<Option<GotoImplementationResponse>> {
+) -> Answer<Option<GotoImplementationResponse>> {
     let found = goto(snapshot, subject, params, Analysis::goto_implementation)?;
     let position = params.text_document_position_params.position;
-    let Some(at) = snapshot.cursor(subject, position)? else {
-        return Ok(found);
-    };
+    let at = snapshot.at(subject, position)?;
     let mut functions = Vec::new();
     for implementation in navigation::implementations(snapshot, &at.path, at.offset)? {
         functions.extend(snapshot.location(&implementation.path, &implementation.range)?);
@@ -69,11 +67,9 @@ fn goto(
     subject: &Subject,
     params: &GotoDefinitionParams,
     question: fn(&Analysis, &FilePosition) -> Targets,
-) -> Cancellable<Option<GotoDefinitionResponse>> {
+) -> Answer<Option<GotoDefinitionResponse>> {
     let position = params.text_document_position_params.position;
-    let Some(at) = snapshot.cursor(subject, position)? else {
-        return Ok(None);
-    };
+    let at = snapshot.at(subject, position)?;
     Ok(response(snapshot, links(snapshot, &at, question)?))
 }
 

@@ -7,20 +7,16 @@ use dotgen_codegen::lang::{Language, Mapper, NoPlaces};
 
 use crate::features::verification;
 use crate::protocol::types::*;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Stop, Subject};
 
 pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &HoverParams,
-) -> Cancellable<Option<Hover>> {
+) -> Answer<Option<Hover>> {
     let position = params.text_document_position_params.position;
-    let Some(at) = snapshot.cursor(subject, position)? else {
-        return Ok(None);
-    };
-    let Some(hover) = snapshot.analysis.hover(&at)? else {
-        return Ok(None);
-    };
+    let at = snapshot.at(subject, position)?;
+    let hover = snapshot.analysis.hover(&at)?.ok_or(Stop::Nothing)?;
     let mut markdown = hover.info.markdown;
     for (component, codel) in &hover.info.codels {
         if let Some(excluded) = remote_exclusions(snapshot, subject, component, codel)? {

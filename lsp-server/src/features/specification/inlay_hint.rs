@@ -1,22 +1,17 @@
 //! `textDocument/inlayHint`
 
-use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::InlayKind;
 
 use crate::protocol::types::*;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Stop, Subject};
 
 pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &InlayHintParams,
-) -> Cancellable<Option<Vec<InlayHint>>> {
-    let Some(lines) = snapshot.lines(&subject.path)? else {
-        return Ok(None);
-    };
-    let Some(range) = lines.clamped(params.range) else {
-        return Ok(None);
-    };
+) -> Answer<Option<Vec<InlayHint>>> {
+    let lines = snapshot.text_lines(&subject.path)?;
+    let range = lines.clamped(params.range).ok_or(Stop::Nothing)?;
     let config = snapshot.config.inlay_hints;
     let hints = snapshot.analysis.inlay_hints(&subject.path, range, &config)?;
     let convert = hints.into_iter().map(|hint| InlayHint {

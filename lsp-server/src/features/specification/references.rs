@@ -6,18 +6,16 @@ use dotgen_analysis::ide::FilePosition;
 use crate::features::codels::navigation;
 use crate::features::mentions;
 use crate::protocol::types::*;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Subject};
 
 pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &ReferenceParams,
-) -> Cancellable<Option<Vec<Location>>> {
+) -> Answer<Option<Vec<Location>>> {
     let position = params.text_document_position.position;
-    match snapshot.cursor(subject, position)? {
-        Some(at) => of(snapshot, &at, params.context.include_declaration),
-        None => Ok(None),
-    }
+    let at = snapshot.at(subject, position)?;
+    Ok(of(snapshot, &at, params.context.include_declaration)?)
 }
 
 /// The mentions of the declaration at a place of a specification, in specifications, scenarios and sources.

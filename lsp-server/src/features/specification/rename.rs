@@ -12,7 +12,7 @@ use crate::features::mentions;
 use crate::protocol::convert::uri;
 use crate::protocol::types::*;
 use crate::protocol::user_result::UserResult;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Subject};
 use dotgen_platform::files::vfs;
 
 /// Maximum number of listed places that the user has to check; the message counts the others.
@@ -22,10 +22,8 @@ pub(crate) fn prepare(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &TextDocumentPositionParams,
-) -> Cancellable<UserResult<PrepareRenameResponse>> {
-    let Some(at) = snapshot.cursor(subject, params.position)? else {
-        return Ok(UserResult::default());
-    };
+) -> Answer<UserResult<PrepareRenameResponse>> {
+    let at = snapshot.at(subject, params.position)?;
     let found = match snapshot.analysis.prepare_rename(&at)? {
         Ok(found) => found,
         Err(error) => return Ok(UserResult(Err(error.0))),
@@ -41,12 +39,10 @@ pub(crate) fn rename(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &RenameParams,
-) -> Cancellable<UserResult<WorkspaceEdit>> {
+) -> Answer<UserResult<WorkspaceEdit>> {
     let position = params.text_document_position.position;
-    match snapshot.cursor(subject, position)? {
-        Some(at) => rename_at(snapshot, &at, &params.new_name),
-        None => Ok(UserResult::default()),
-    }
+    let at = snapshot.at(subject, position)?;
+    Ok(rename_at(snapshot, &at, &params.new_name)?)
 }
 
 /// Renames the declaration at a place of a specification. The place is the declaration or one of its

@@ -3,13 +3,13 @@
 use dotgen_analysis::host::Cancellable;
 
 use crate::protocol::types::*;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Stop, Subject};
 
 pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &SelectionRangeParams,
-) -> Cancellable<Option<Vec<SelectionRange>>> {
+) -> Answer<Option<Vec<SelectionRange>>> {
     answer(snapshot, subject, params, |offsets| {
         snapshot.analysis.selection_ranges(&subject.path, offsets)
     })
@@ -22,16 +22,11 @@ pub(crate) fn answer(
     subject: &Subject,
     params: &SelectionRangeParams,
     ranges: impl FnOnce(&[usize]) -> Cancellable<Vec<Vec<std::ops::Range<usize>>>>,
-) -> Cancellable<Option<Vec<SelectionRange>>> {
-    let Some(lines) = snapshot.lines(&subject.path)? else {
-        return Ok(None);
-    };
+) -> Answer<Option<Vec<SelectionRange>>> {
+    let lines = snapshot.text_lines(&subject.path)?;
     let positions = params.positions.iter();
-    let Some(offsets) =
-        positions.map(|position| lines.offset(*position)).collect::<Option<Vec<_>>>()
-    else {
-        return Ok(None);
-    };
+    let offsets = positions.map(|position| lines.offset(*position));
+    let offsets = offsets.collect::<Option<Vec<_>>>().ok_or(Stop::Nothing)?;
     let chains = ranges(&offsets)?;
     // The protocol requires one answer per position.
     let answer = params.positions.iter().enumerate().map(|(at, position)| {

@@ -1,22 +1,16 @@
 //! `textDocument/signatureHelp`
 
-use dotgen_analysis::host::Cancellable;
-
 use crate::protocol::types::*;
-use crate::workspace::snapshot::{Snapshot, Subject};
+use crate::workspace::snapshot::{Answer, Snapshot, Stop, Subject};
 
 pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &SignatureHelpParams,
-) -> Cancellable<Option<SignatureHelp>> {
+) -> Answer<Option<SignatureHelp>> {
     let position = params.text_document_position_params.position;
-    let Some(at) = snapshot.cursor(subject, position)? else {
-        return Ok(None);
-    };
-    let Some(help) = snapshot.analysis.signature_help(&at)? else {
-        return Ok(None);
-    };
+    let at = snapshot.at(subject, position)?;
+    let help = snapshot.analysis.signature_help(&at)?.ok_or(Stop::Nothing)?;
     // Offsets of labels are in UTF-16 units, independent of the encoding of positions.
     let units = |byte: usize| help.label[..byte].encode_utf16().count() as u32;
     let parameters = help.parameters.iter().map(|parameter| ParameterInformation {
