@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use dotgen_analysis::codes::{self, Code};
 use dotgen_analysis::diagnostic::Severity;
-use dotgen_codegen::codels::drift::DriftCode;
+use dotgen_codegen::codels::drift;
 use dotgen_codegen::template::check;
 use dotgen_loaders::pages::{self, Page};
 use dotgen_tests::workspace_root;
@@ -15,7 +15,7 @@ use dotgen_timing::scn::codes as scenarios;
 
 /// The codes of all layers.
 fn all() -> impl Iterator<Item = Code> {
-    let codels = DriftCode::ALL.map(|codel| Code::new(codel.as_str(), codel.severity()));
+    let codels = drift::CODES.map(|(id, severity)| Code::new(id, severity));
     let scenarios = scenarios::CODES.iter().map(|code| {
         let severity = match code.severity {
             ScenarioSeverity::Error => Severity::Error,

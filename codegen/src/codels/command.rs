@@ -13,7 +13,7 @@ use dotgen_syntax::encoding::LineEnd;
 use serde::Serialize;
 
 use super::{
-    drift::{DriftCode, Repair},
+    drift::{self, Repair},
     edit::{Edit, apply, unified_diff},
     expected::{Expected, state_text},
     repair::ManualChange,
@@ -72,7 +72,7 @@ pub struct SyncOptions {
     /// `pause::main`). Other yields are not removed, because they may be intended.
     pub remove_yields: Vec<(String, String)>,
     /// The kinds of drift to repair; all if empty.
-    pub only: Vec<DriftCode>,
+    pub only: Vec<&'static str>,
 }
 
 impl SyncOptions {
@@ -199,7 +199,7 @@ pub fn sync(project: &mut Project<'_>, roots: &[Utf8PathBuf], options: &SyncOpti
 struct Candidate {
     edit: Edit,
     /// The finding that it repairs.
-    code: DriftCode,
+    code: &'static str,
     titles: Vec<String>,
     notes: Vec<ManualChange>,
 }
@@ -226,9 +226,7 @@ fn whole(
         Verdict::Whole => (all, numbers),
         Verdict::Paired(all) => (all, numbers),
         Verdict::Refused | Verdict::Unknown => {
-            let edits = candidates
-                .iter()
-                .map(|candidate| (candidate.edit.clone(), candidate.code.as_str()));
+            let edits = candidates.iter().map(|candidate| (candidate.edit.clone(), candidate.code));
             judge.together(&edits.collect::<Vec<_>>(), true)
         }
     };
@@ -250,7 +248,7 @@ fn round(
         // Stubs of one folder are made together: several may go into one new file.
         let mut stubs: BTreeMap<u32, Vec<_>> = BTreeMap::new();
         for drift in &findings {
-            let wanted = options.only.is_empty() || options.only.contains(&drift.code);
+            let wanted = options.only.is_empty() || options.only.contains(&drift.code());
             let Some(expected) = all.iter().find(|expected| expected.component == drift.component)
             else {
                 continue;
@@ -286,7 +284,7 @@ fn round(
                     }
                     _ => Vec::new(),
                 };
-                out.push(Candidate { edit: one, code: drift.code, titles: vec![title], notes });
+                out.push(Candidate { edit: one, code: drift.code(), titles: vec![title], notes });
             }
         }
         for expected in &all {
@@ -299,7 +297,7 @@ fn round(
                 let titles = codels.iter().map(|&at| repairs.title(&Repair::Stub { at }));
                 out.push(Candidate {
                     edit,
-                    code: DriftCode::MissingDefinition,
+                    code: drift::MISSING_DEFINITION,
                     titles: titles.collect(),
                     notes: Vec::new(),
                 });

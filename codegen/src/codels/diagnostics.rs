@@ -43,7 +43,7 @@ pub fn diagnostics(findings: &[Drift], locations: &dyn Locations, side: Side) ->
             out.push(Diagnostic {
                 related,
                 ..Diagnostic::new(
-                    drift.code.as_str(),
+                    drift.code(),
                     drift.severity,
                     drift.message(),
                     here.path,

@@ -27,92 +27,26 @@ use super::{
     source::Function,
 };
 
-/// Kinds of drift.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum DriftCode {
-    /// A codel has no function.
-    MissingDefinition,
-    /// The function has another prototype.
-    SignatureMismatch,
-    /// The code returns an event that the specification does not allow.
-    UndeclaredYield,
-    /// The code never returns an event that the specification lists.
-    NeverYielded,
-    /// The code raises an exception that the specification does not allow.
-    UndeclaredThrow,
-    /// A function looks like a codel and no specification names it.
-    Orphan,
-    /// The comment of the skeleton is outdated.
-    StaleComment,
-    /// The code uses the former name of a parameter.
-    UndeclaredName,
-    /// The code writes to a read-only parameter.
-    ConstantWrite,
-    /// No codel writes an output port that is its parameter.
-    UnwrittenPort,
-}
+/// The code of [`Difference::Missing`].
+pub const MISSING_DEFINITION: &str = "codel/missing-definition";
+/// The code of [`Difference::Signature`].
+pub(super) const SIGNATURE_MISMATCH: &str = "codel/signature-mismatch";
+/// The code of [`Difference::Orphan`].
+pub const ORPHAN: &str = "codel/orphan";
 
-impl DriftCode {
-    /// Every kind.
-    pub const ALL: [DriftCode; 10] = [
-        DriftCode::MissingDefinition,
-        DriftCode::SignatureMismatch,
-        DriftCode::UndeclaredYield,
-        DriftCode::NeverYielded,
-        DriftCode::UndeclaredThrow,
-        DriftCode::Orphan,
-        DriftCode::StaleComment,
-        DriftCode::UndeclaredName,
-        DriftCode::ConstantWrite,
-        DriftCode::UnwrittenPort,
-    ];
-
-    pub fn of(kind: &Difference) -> DriftCode {
-        match kind {
-            Difference::Missing { .. } | Difference::Unwritten { .. } => {
-                DriftCode::MissingDefinition
-            }
-            Difference::Signature { .. } => DriftCode::SignatureMismatch,
-            Difference::ReturnsOk { .. }
-            | Difference::HasNoStates { .. }
-            | Difference::NotYielded { .. } => DriftCode::UndeclaredYield,
-            Difference::NeverReturned { .. } => DriftCode::NeverYielded,
-            Difference::NotThrown { .. } | Difference::NoException { .. } => {
-                DriftCode::UndeclaredThrow
-            }
-            Difference::Orphan { .. } | Difference::Renamed { .. } => DriftCode::Orphan,
-            Difference::StaleComment { .. } => DriftCode::StaleComment,
-            Difference::NoName { .. } => DriftCode::UndeclaredName,
-            Difference::ConstantWrite { .. } => DriftCode::ConstantWrite,
-            Difference::UnwrittenPort { .. } => DriftCode::UnwrittenPort,
-        }
-    }
-
-    /// The code in reports and in the configuration.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            DriftCode::MissingDefinition => "codel/missing-definition",
-            DriftCode::SignatureMismatch => "codel/signature-mismatch",
-            DriftCode::UndeclaredYield => "codel/undeclared-yield",
-            DriftCode::NeverYielded => "codel/never-yielded",
-            DriftCode::UndeclaredThrow => "codel/undeclared-throw",
-            DriftCode::Orphan => "codel/orphan",
-            DriftCode::StaleComment => "codel/stale-comment",
-            DriftCode::UndeclaredName => "codel/undeclared-name",
-            DriftCode::ConstantWrite => "codel/constant-write",
-            DriftCode::UnwrittenPort => "codel/unwritten-port",
-        }
-    }
-
-    /// The default severity.
-    pub fn severity(self) -> Severity {
-        match self {
-            DriftCode::NeverYielded => Severity::Hint,
-            DriftCode::StaleComment | DriftCode::Orphan => Severity::Information,
-            _ => Severity::Warning,
-        }
-    }
-}
+/// The codes of all differences, with their default severities.
+pub const CODES: [(&str, Severity); 10] = [
+    (MISSING_DEFINITION, Severity::Warning),
+    (SIGNATURE_MISMATCH, Severity::Warning),
+    ("codel/undeclared-yield", Severity::Warning),
+    ("codel/never-yielded", Severity::Hint),
+    ("codel/undeclared-throw", Severity::Warning),
+    (ORPHAN, Severity::Information),
+    ("codel/stale-comment", Severity::Information),
+    ("codel/undeclared-name", Severity::Warning),
+    ("codel/constant-write", Severity::Warning),
+    ("codel/unwritten-port", Severity::Warning),
+];
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SourcePlace {
@@ -125,8 +59,6 @@ pub struct SourcePlace {
 /// One difference.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Drift {
-    /// The kind.
-    pub code: DriftCode,
     pub severity: Severity,
     /// The details.
     pub kind: Difference,
@@ -144,6 +76,27 @@ pub struct Drift {
 }
 
 impl Drift {
+    /// A difference with its default severity, so far without a place in the sources and without repairs.
+    fn new(kind: Difference, component: u32, spec: Vec<Src>) -> Drift {
+        let code = kind.code();
+        let known = CODES.iter().find(|known| known.0 == code);
+        Drift {
+            severity: known.map_or(Severity::Warning, |known| known.1),
+            kind,
+            component,
+            spec,
+            source: None,
+            expected: None,
+            found: None,
+            repairs: Vec::new(),
+        }
+    }
+
+    /// The code in reports and in the configuration.
+    pub fn code(&self) -> &'static str {
+        self.kind.code()
+    }
+
     /// The repair that adapts the sources to the specification, if it is the best one.
     pub fn following(&self) -> Option<&Repair> {
         self.repairs.first().filter(|repair| repair.follows_specification())
@@ -349,11 +302,10 @@ pub(super) fn unwritten(
     found: &mut [Drift],
     defined: usize,
 ) -> Option<Drift> {
-    let usual = DriftCode::MissingDefinition.severity();
     let is_missing = |drift: &&mut Drift| {
         let of_component = drift.component == component.0;
         // A severity that the user has chosen stays.
-        of_component && drift.code == DriftCode::MissingDefinition && drift.severity == usual
+        of_component && drift.code() == MISSING_DEFINITION && drift.severity == Severity::Warning
     };
     let count = found.iter_mut().filter(is_missing).count();
     if count <= defined.max(FEW) {
@@ -362,17 +314,9 @@ pub(super) fn unwritten(
     for drift in found.iter_mut().filter(is_missing) {
         drift.severity = Severity::Hint;
     }
-    Some(Drift {
-        code: DriftCode::MissingDefinition,
-        severity: usual,
-        kind: Difference::Unwritten { component: component.1.name.clone(), count: count as u64 },
-        component: component.0,
-        spec: vec![component.1.src],
-        source: None,
-        expected: None,
-        found: None,
-        repairs: Vec::new(),
-    })
+    let name = component.1.name.clone();
+    let kind = Difference::Unwritten { component: name, count: count as u64 };
+    Some(Drift::new(kind, component.0, vec![component.1.src]))
 }
 
 /// Functions that look like codels and that no specification names, with their files, in file and text order.
@@ -445,18 +389,7 @@ impl<'a> Check<'a> {
     }
 
     fn drift(&self, kind: Difference) -> Drift {
-        let code = DriftCode::of(&kind);
-        Drift {
-            code,
-            severity: code.severity(),
-            kind,
-            component: self.expected.component,
-            spec: self.places(),
-            source: None,
-            expected: None,
-            found: None,
-            repairs: Vec::new(),
-        }
+        Drift::new(kind, self.expected.component, self.places())
     }
 
     fn missing(&self) -> Option<Drift> {

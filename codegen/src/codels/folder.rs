@@ -16,7 +16,7 @@ use super::{
     allowances::{allowances, is_allowed},
     coverage::Coverage,
     diagnostics::{Side, diagnostics},
-    drift::{self, Drift, DriftCode, DriftOptions},
+    drift::{self, Drift, DriftOptions},
     expected::Expected,
     files::{IndexedFile, Sources},
     reliability::Reliability,
@@ -98,13 +98,13 @@ impl Folder {
         let mut out = Vec::with_capacity(findings.len());
         let mut missing: BTreeMap<u32, usize> = BTreeMap::new();
         for mut drift in findings {
-            if drift.code == DriftCode::MissingDefinition {
+            if drift.code() == drift::MISSING_DEFINITION {
                 *missing.entry(drift.component).or_default() += 1;
             }
             let source = drift.source.as_ref();
             let file = source
                 .and_then(|source| Some((self.sources.file(&source.path)?, source.range.start)));
-            if file.is_some_and(|(file, at)| is_allowed(file, at, drift.code.as_str())) {
+            if file.is_some_and(|(file, at)| is_allowed(file, at, drift.code())) {
                 continue;
             }
             if let Some(severity) = self.severity(&drift, analysis)? {
@@ -196,7 +196,7 @@ pub fn unused_allowances(
     analysis: &Analysis,
 ) -> Cancellable<Vec<Diagnostic>> {
     let mut out: Vec<Diagnostic> = Vec::new();
-    let known = DriftCode::ALL.map(DriftCode::as_str);
+    let known = drift::CODES.map(|known| known.0);
     // A folder that is not completely read may contain the finding that a comment allows.
     let seen = |folder: &Folder| folder.sources.exists && !folder.sources.incomplete;
     let compared = || compared.iter().filter(|pair| seen(pair.0));
@@ -210,7 +210,7 @@ pub fn unused_allowances(
             for allowance in allowances(file) {
                 let has = |found: &&Drift| {
                     let place = found.source.as_ref().filter(|at| at.path == file.path);
-                    found.code.as_str() == allowance.code
+                    found.code() == allowance.code
                         && place.is_some_and(|at| allowance.scope.contains(&at.range.start))
                 };
                 // A function that none of these specifications names may belong to another one.

@@ -64,7 +64,7 @@ impl Before {
         if unit.accepted() {
             for folder in self.folders(&host) {
                 let found = folder.check(&folder.expected());
-                all.extend(found.iter().map(|check| check.code.as_str().to_owned()));
+                all.extend(found.iter().map(|check| check.code().to_owned()));
             }
         }
         for code in all {

@@ -76,7 +76,7 @@ fn findings(spec: &Spec, component: u32, compile_as_cxx: bool) -> Option<(Vec<St
     let sources = Sources::load("/c.gen".into(), &FilesConfig::default(), &files);
     let count = expected.functions.len();
     let found = drift::check(&[expected], &sources, &DriftOptions::default());
-    let found = found.iter().map(|check| format!("{}: {}", check.code.as_str(), check.message()));
+    let found = found.iter().map(|check| format!("{}: {}", check.code(), check.message()));
     Some((found.collect(), count))
 }
 

@@ -133,7 +133,7 @@ impl Fixture {
     /// `code: message` of every finding.
     pub(crate) fn report(&self) -> Vec<String> {
         let all = self.check();
-        all.iter().map(|check| format!("{}: {}", check.code.as_str(), check.message())).collect()
+        all.iter().map(|check| format!("{}: {}", check.code(), check.message())).collect()
     }
 }
 

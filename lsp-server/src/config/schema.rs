@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::Settings;
-use dotgen_codegen::codels::drift::DriftCode;
+use dotgen_codegen::codels::drift;
 
 /// The schema of `dotgen.toml`, as committed in `docs/dotgen.schema.json`.
 pub(crate) fn settings_schema() -> Value {
@@ -24,10 +24,9 @@ fn drop_absent_defaults(schema: &mut Value) {
 
 /// The codes of all diagnostics about specifications and their codels, sorted.
 pub(crate) fn codes() -> impl Iterator<Item = &'static str> {
-    let codels = dotgen_codegen::codels::drift::DriftCode::ALL;
     let mut all: Vec<&str> = dotgen_analysis::codes::all()
         .map(|code| code.id)
-        .chain(codels.map(DriftCode::as_str))
+        .chain(drift::CODES.map(|code| code.0))
         .collect();
     all.sort_unstable();
     all.into_iter()

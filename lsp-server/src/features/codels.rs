@@ -460,7 +460,7 @@ pub(crate) fn fingerprint(snapshot: &Snapshot) -> Cancellable<u64> {
     let (mut seen, mut seen_unused) = (Vec::new(), Vec::new());
     for found in compared.iter().flat_map(|lock| lock.findings(&snapshot.analysis)) {
         seen.extend(
-            found?.1.into_iter().map(|drift| (drift.code, drift.severity, drift.message())),
+            found?.1.into_iter().map(|drift| (drift.code(), drift.severity, drift.message())),
         );
     }
     for allowance in unused_allowances(snapshot, &compared)? {

@@ -15,7 +15,7 @@ use rustc_hash::FxHashMap;
 use super::{FileChange, project::Project};
 use crate::codels::{
     diagnostics::{Side, diagnostics},
-    drift::{Drift, DriftCode, Repair, finding::Difference},
+    drift::{Drift, Repair, SIGNATURE_MISMATCH, finding::Difference},
     edit::{Edit, line_edits},
     folder::Folder,
 };
@@ -450,13 +450,9 @@ impl Findings {
     /// uses in its body that have become invalid.
     fn added(&self, after: &Findings, touched: &ChangedLines) -> Vec<&'static str> {
         let reveals = after.errors < self.errors;
-        let mismatch = DriftCode::SignatureMismatch.as_str();
-        let follows = after.count(mismatch) < self.count(mismatch);
-        let in_body =
-            [DriftCode::UndeclaredName, DriftCode::ConstantWrite, DriftCode::UnwrittenPort];
-        let is_left = |code: &str| {
-            follows && in_body.iter().any(|undeclared_name| undeclared_name.as_str() == code)
-        };
+        let follows = after.count(SIGNATURE_MISMATCH) < self.count(SIGNATURE_MISMATCH);
+        let in_body = ["codel/undeclared-name", "codel/constant-write", "codel/unwritten-port"];
+        let is_left = |code: &str| follows && in_body.contains(&code);
         let mut out = Vec::new();
         for (&code, &count) in &after.counts {
             if count <= self.count(code) || is_left(code) {
@@ -477,7 +473,7 @@ impl Findings {
 
     /// True if every finding of a code has a repair that adapts the sources.
     fn is_followed(&self, code: &&'static str) -> bool {
-        let of_code = |pair: &&(usize, Drift)| pair.1.code.as_str() == *code;
+        let of_code = |pair: &&(usize, Drift)| pair.1.code() == *code;
         let mut found = self.drifts.iter().filter(of_code).peekable();
         found.peek().is_some() && found.all(|drift| drift.1.following().is_some())
     }
@@ -493,7 +489,7 @@ impl Findings {
                 let here = self.drifts.iter().filter(|(at, drift)| {
                     *at == index
                         && drift.component == expected.component
-                        && codes.contains(&drift.code.as_str())
+                        && codes.contains(&drift.code())
                 });
                 for (_, drift) in here {
                     match drift.following() {

@@ -115,7 +115,7 @@ impl CheckReport {
             let mut places = source.chain(spec);
             let component = &folder.unit.spec.components[drift.component as usize];
             self.findings.push(Finding {
-                code: drift.code.as_str(),
+                code: drift.code(),
                 severity: drift.severity,
                 component: component.name.to_string(),
                 at: places.next(),

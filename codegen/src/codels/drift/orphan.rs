@@ -5,7 +5,7 @@ use dotgen_syntax::suggestion::nearest;
 use rustc_hash::FxHashSet;
 
 use super::finding::Difference;
-use super::{Drift, DriftCode, DriftOptions, FunctionIn, Repair};
+use super::{Drift, DriftOptions, FunctionIn, Repair};
 use crate::codels::{
     expected::{Expected, ExpectedFunction, cut_tag, owner_words},
     files::Sources,
@@ -150,15 +150,10 @@ pub(super) fn report(orphan: &FunctionIn<'_>, all: &[Expected<'_>]) -> Option<Dr
             start: function.span.start,
         });
     }
+    let kind = Difference::Orphan { function: name.as_str().into() };
     Some(Drift {
-        code: DriftCode::Orphan,
-        severity: DriftCode::Orphan.severity(),
-        kind: Difference::Orphan { function: name.as_str().into() },
-        component: expected.component,
-        spec: Vec::new(),
         source: Some(orphan.at(function.name_span.clone())),
-        expected: None,
-        found: None,
         repairs,
+        ..Drift::new(kind, expected.component, Vec::new())
     })
 }

@@ -6,7 +6,7 @@ use dotgen_analysis::model::{CodelRef, Owner};
 use dotgen_analysis::source_map::Locations;
 use dotgen_codegen::codels::command::{FileChange, SyncOptions, sync};
 use dotgen_codegen::codels::diagnostics::{Side, diagnostics};
-use dotgen_codegen::codels::drift::{Drift, DriftCode, Repair};
+use dotgen_codegen::codels::drift::{Drift, ORPHAN, Repair};
 use dotgen_codegen::codels::edit::{Edit, apply, line_edits};
 use dotgen_codegen::codels::expected::owner_words;
 use dotgen_codegen::codels::files::Files as _;
@@ -136,7 +136,7 @@ impl Work<'_> {
         let mut push = |title, edit: &Edit, written: Option<&str>, preferred| -> Cancellable<()> {
             // A stub next to a function that looks like the codel does not fix the finding about that
             // function.
-            let mends = drift.code != DriftCode::Orphan || written.is_none();
+            let mends = drift.code() != ORPHAN || written.is_none();
             let about = shown.clone().filter(|_| mends);
             let action = CodeAction {
                 title,
@@ -145,7 +145,7 @@ impl Work<'_> {
                 is_preferred: Some(preferred && mends),
                 ..CodeAction::default()
             };
-            let code = mends.then_some(drift.code.as_str());
+            let code = mends.then_some(drift.code());
             out.extend(self.action(action, edit, written, code, offers)?);
             Ok(())
         };
