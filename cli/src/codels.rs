@@ -270,8 +270,7 @@ fn yield_of_codel(text: &str) -> Result<(String, String), String> {
 fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
     let (files, mut trouble) = session::specifications(&session::or_here(&arguments.paths));
     check_is_file(&arguments.paths)?;
-    let options =
-        SyncOptions { remove_yields: arguments.remove_yield.clone(), ..SyncOptions::default() };
+    let options = SyncOptions { remove_yields: arguments.remove_yield.clone() };
     let mut outcome = Outcome::Fine;
     for mut session in session::open(files, &arguments.reading)? {
         let roots = roots(&session);

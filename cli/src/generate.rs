@@ -129,7 +129,7 @@ fn run(name: &str, arguments: &[String], packages: PackageConfig, file: &ConfigF
         console: &mut StdConsole::default(),
         limits: Limits::default(),
         base: PathBuf::new(),
-        sink: OutputSink::Direct,
+        sink: OutputSink::DIRECT,
         processes: dotgen_platform::process::system(),
         // The generator parses `--confined`, among its other options.
         confined: None,

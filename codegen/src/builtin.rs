@@ -13,12 +13,13 @@ mod render;
 mod ros2_interfaces;
 
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
 use crate::compiler::Compiler;
 use crate::disk::Disk;
 use crate::environment::Environment;
 use crate::options::Options;
-use crate::template::readable_files;
+use crate::template::{Confinement, Confirmation, Output, OutputSink, readable_files};
 
 pub use expand::serve as serve_renderer;
 pub use manifest::{FileRule, Manifest, RunScope};
@@ -141,6 +142,27 @@ pub(crate) fn run(
     Some(finish(name, result, env))
 }
 
+/// Runs a template with its output, as one of dotgen, and writes the files if the status is 0.
+fn with_output(
+    name: &str,
+    options: &Options,
+    env: &mut Environment<'_>,
+    run: impl FnOnce(&mut Environment<'_>, &mut Output) -> Result<i32, String>,
+) -> Result<i32, String> {
+    let sink = std::mem::replace(&mut env.sink, OutputSink::DIRECT);
+    let disk = Arc::clone(&env.disk);
+    let mut output = Output::new(name.to_owned(), env.base.clone(), options.debug, disk, sink);
+    // Hidden and executable results of templates of dotgen are allowed.
+    output.confined = env
+        .confined
+        .clone()
+        .map(|confined| Confinement { confirmed: Confirmation::All, ..confined });
+    let result = run(env, &mut output);
+    let (sink, written) = output.finish(!matches!(result, Ok(0)));
+    env.sink = sink;
+    written.map_err(|error| error.to_string()).and(result)
+}
+
 /// Runs the template of a folder.
 pub(crate) fn run_folder(
     dir: &Path,
@@ -163,9 +185,4 @@ fn finish(name: &str, result: Result<i32, String>, env: &mut Environment<'_>) ->
         env.console.err(&format!("{name}: {message}"));
         2
     })
-}
-
-/// The confinement of templates included in dotgen: their hidden and executable results are allowed.
-fn of_dotgen(confined: crate::template::Confinement) -> crate::template::Confinement {
-    crate::template::Confinement { confirmed: crate::template::Confirmation::All, ..confined }
 }

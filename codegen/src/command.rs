@@ -13,7 +13,6 @@ use dotgen_syntax::encoding;
 pub use crate::environment::{Environment, MakeRos2Packages, Pictures, Ros2Packages, search_path};
 
 use crate::disk::NewContent;
-use crate::frontend::Frontend;
 use crate::options::{self, Mode, OptionError, Options};
 use crate::template::discover::FindError;
 use crate::template::{Confinement, Confirmation, Limits, OutputSink, Run};
@@ -110,13 +109,13 @@ fn confined(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
         reviewed: false,
     });
     env.limits = Limits { cancel: env.limits.cancel.take(), ..Limits::preview() };
-    let direct = std::mem::replace(&mut env.sink, OutputSink::preview());
+    let direct = std::mem::replace(&mut env.sink, OutputSink::PREVIEW);
     let status = template(options, release, env);
-    let kept = std::mem::replace(&mut env.sink, direct);
+    let kept = OutputSink { preview: false, ..std::mem::replace(&mut env.sink, direct) };
     if status != 0 {
         return status;
     }
-    match kept.write_out(&*env.disk) {
+    match kept.finish(&*env.disk, false).1 {
         Ok(()) => 0,
         Err(error) => {
             env.warn(&error.to_string());
@@ -194,7 +193,7 @@ fn template(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
         confined: env.confined.as_ref(),
         allowed: env.allowed(options),
     };
-    let sink = std::mem::replace(&mut env.sink, OutputSink::Direct);
+    let sink = std::mem::replace(&mut env.sink, OutputSink::DIRECT);
     let outcome = run.execute(&mut compiler, env.console, sink);
     env.sink = outcome.sink;
     env.failed_at = outcome.place;

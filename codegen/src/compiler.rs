@@ -21,7 +21,7 @@ use smol_str::SmolStr;
 use place::UnitPlaces;
 
 use crate::disk::Disk;
-use crate::frontend::{Compiled, Frontend, ParseFailure};
+use crate::frontend::{Compiled, ParseFailure};
 use crate::lang::value_text;
 
 /// Name of texts that are not files.
@@ -230,8 +230,13 @@ fn deps(unit: &UnitResult, names: &FxHashMap<Utf8PathBuf, String>) -> Vec<String
     deps
 }
 
-impl Frontend for Compiler {
-    fn parse_files(
+impl Compiler {
+    /// Adds files, preprocessed as one unit. Each message (`BASENAME:LINE: TEXT`) is passed to `report` when
+    /// it is found.
+    ///
+    /// # Errors
+    /// Any error in the input; the correct parts are added.
+    pub fn parse_files(
         &mut self,
         files: &[String],
         report: &mut dyn FnMut(&str),
@@ -260,7 +265,11 @@ impl Frontend for Compiler {
         self.compile(report)
     }
 
-    fn parse_strings(
+    /// Adds texts without preprocessing; their file name is `<inline string>`.
+    ///
+    /// # Errors
+    /// The same as of [`Compiler::parse_files`].
+    pub fn parse_strings(
         &mut self,
         texts: &[String],
         report: &mut dyn FnMut(&str),
@@ -272,7 +281,8 @@ impl Frontend for Compiler {
         self.compile(report)
     }
 
-    fn compiled(&self) -> Compiled {
+    /// Everything parsed so far.
+    pub fn compiled(&self) -> Compiled {
         self.compiled.clone()
     }
 }

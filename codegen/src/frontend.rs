@@ -1,4 +1,4 @@
-//! The interface between the template engine and the language front end.
+//! Results of the language front end.
 
 use std::sync::Arc;
 
@@ -55,31 +55,4 @@ impl std::fmt::Display for ParseFailure {
             ParseFailure::Unreadable(reason) => f.write_str(reason),
         }
     }
-}
-
-/// Parses specifications into one growing model.
-pub trait Frontend {
-    /// Adds files, preprocessed as one unit. Each message (`BASENAME:LINE: TEXT`) is passed to `report` when
-    /// it is found.
-    ///
-    /// # Errors
-    /// Any error in the input; the correct parts are added.
-    fn parse_files(
-        &mut self,
-        files: &[String],
-        report: &mut dyn FnMut(&str),
-    ) -> Result<(), ParseFailure>;
-
-    /// Adds texts without preprocessing; their file name is `<inline string>`.
-    ///
-    /// # Errors
-    /// The same as of [`Frontend::parse_files`].
-    fn parse_strings(
-        &mut self,
-        texts: &[String],
-        report: &mut dyn FnMut(&str),
-    ) -> Result<(), ParseFailure>;
-
-    /// Everything parsed so far.
-    fn compiled(&self) -> Compiled;
 }

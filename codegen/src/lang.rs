@@ -18,7 +18,8 @@ mod prototypes;
 pub mod text;
 
 use dotgen_analysis::model::{
-    CodelRef, Component, Name, Param, ParamSource, Spec, Src, TypeId, TypeKind,
+    CodelRef, Component, Name, Param, ParamDir, ParamSource, Port, PortDir, Remote, Spec, Src,
+    TypeId, TypeKind,
 };
 use dotgen_analysis::release::Change;
 
@@ -26,6 +27,24 @@ pub use kind::{
     dir_word, label_text, length_of, scope_word, service_word, source_word, value_text,
 };
 pub use prototypes::prototypes;
+
+/// The calls of a port, in the order in which they are declared.
+pub(crate) fn port_calls(port: &Port) -> &'static [&'static str] {
+    match (port.dir, port.multiple) {
+        (PortDir::In, _) => &["read"],
+        (PortDir::Out, false) => &["write"],
+        (PortDir::Out, true) => &["write", "open", "close"],
+    }
+}
+
+/// The way a parameter of a remote service is passed; `None` for a local one, which is none of its arguments.
+pub(crate) fn remote_passing(param: &Param) -> Option<PassingMode> {
+    match param.dir {
+        ParamDir::In => Some(PassingMode::Value),
+        ParamDir::Out | ParamDir::Inout => Some(PassingMode::Reference),
+        ParamDir::Local => None,
+    }
+}
 
 /// A programming language that templates can select with `lang`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -345,6 +364,25 @@ impl<'a> Mapper<'a> {
             Language::Cxx => Ok(var.to_owned()),
             Language::Tcl => self.unsupported("pass"),
         }
+    }
+
+    /// The declarations of the arguments of a remote service.
+    ///
+    /// # Errors
+    /// The same as of [`Mapper::argument`].
+    pub(crate) fn remote_arguments(&self, remote: &Remote) -> Result<Vec<String>, LangError> {
+        let mut out = Vec::new();
+        for param in &remote.params {
+            if let Some(passing) = remote_passing(param) {
+                out.push(self.argument(param.ty, passing, &param.name)?);
+            }
+        }
+        match self.language {
+            Language::Cxx if out.is_empty() => out.push("void".into()),
+            Language::Cxx => {}
+            _ => out.push("genom_context self".into()),
+        }
+        Ok(out)
     }
 
     /// The value of a parameter of this type and way of passing, inside the function.

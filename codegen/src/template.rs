@@ -30,8 +30,8 @@ pub mod throws;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use crate::compiler::Compiler;
 use crate::disk::Disk;
-use crate::frontend::Frontend;
 use crate::process::Processes;
 use console::Console;
 use discover::SearchPath;
@@ -155,7 +155,7 @@ impl Run<'_> {
     /// Runs the template.
     pub fn execute(
         &self,
-        frontend: &mut dyn Frontend,
+        compiler: &mut Compiler,
         console: &mut dyn Console,
         sink: OutputSink,
     ) -> Outcome {
@@ -175,6 +175,6 @@ impl Run<'_> {
         if self.debug {
             tmpdir.keep();
         }
-        session::run(self, frontend, console, output, tmpdir.path().to_owned())
+        session::run(self, compiler, console, output, tmpdir.path().to_owned())
     }
 }

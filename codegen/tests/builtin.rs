@@ -54,7 +54,7 @@ fn run_in(
         console: &mut console,
         limits: Limits::default(),
         base: std::path::PathBuf::new(),
-        sink: dotgen_codegen::template::OutputSink::Direct,
+        sink: dotgen_codegen::template::OutputSink::DIRECT,
         processes: Arc::new(crate::processes::ShellProcesses),
         confined: None,
         failed_at: None,

@@ -94,7 +94,7 @@ fn generator() -> ExitCode {
         console: &mut StdConsole::default(),
         limits: Limits::default(),
         base: std::path::PathBuf::new(),
-        sink: dotgen_codegen::template::OutputSink::Direct,
+        sink: dotgen_codegen::template::OutputSink::DIRECT,
         processes: Arc::new(processes::ShellProcesses),
         confined: None,
         failed_at: None,

@@ -113,7 +113,7 @@ fn a_ros_server_compiles_without_genom() {
         console: &mut console,
         limits: Limits::default(),
         base: place.path().to_owned(),
-        sink: OutputSink::Direct,
+        sink: OutputSink::DIRECT,
         processes: Arc::new(crate::processes::ShellProcesses),
         confined: None,
         failed_at: None,

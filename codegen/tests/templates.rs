@@ -49,7 +49,7 @@ fn run(
     let search = SearchPath { dirs: vec![templates], builtin: None };
     // Previews are confined: the results of these tests are in temporary folders.
     let results = vec![std::env::temp_dir()];
-    let confined = matches!(sink, OutputSink::Preview(_)).then_some(Confinement {
+    let confined = sink.preview.then_some(Confinement {
         results,
         confirmed: Confirmation::All,
         reviewed: false,
@@ -103,14 +103,14 @@ fn specification() -> (tempfile::TempDir, PathBuf) {
 fn templates_ask_about_the_model() {
     let (_dir, path) = specification();
     let path = path.to_str().unwrap();
-    let Some((outcome, console)) = run("report", &[path], OutputSink::preview(), Limits::default())
+    let Some((outcome, console)) = run("report", &[path], OutputSink::PREVIEW, Limits::default())
     else {
         return;
     };
     assert_eq!((outcome.status, console.err.as_str()), (0, ""));
     insta::assert_snapshot!(text(&console.out));
     let (outcome, console) =
-        run("report", &["--language=c++", path], OutputSink::Direct, Limits::default()).unwrap();
+        run("report", &["--language=c++", path], OutputSink::DIRECT, Limits::default()).unwrap();
     // An option written with `=` counts twice, so the file is still left for the template.
     assert_eq!((outcome.status, console.err.as_str()), (0, ""));
     assert!(
@@ -129,7 +129,7 @@ fn printed(template: &str, specification: &str) -> Option<String> {
     let path = dir.path().join("it.gen");
     std::fs::write(&path, specification).unwrap();
     let path = path.to_str().unwrap();
-    let (outcome, console) = run(template, &[path], OutputSink::preview(), Limits::default())?;
+    let (outcome, console) = run(template, &[path], OutputSink::PREVIEW, Limits::default())?;
     assert_eq!((outcome.status, console.err.as_str()), (0, ""));
     Some(text(&console.out))
 }
@@ -215,7 +215,7 @@ fn included_files_are_named_after_following_links() {
     std::fs::write(&path, "#include \"link/t.idl\"\n").unwrap();
     let path = path.to_str().unwrap();
     let Some((outcome, console)) =
-        run("files-read", &[path], OutputSink::preview(), Limits::default())
+        run("files-read", &[path], OutputSink::PREVIEW, Limits::default())
     else {
         return;
     };
@@ -260,15 +260,14 @@ fn a_preview_writes_nothing() {
     let out = dir.path().join("out");
     let out = out.to_str().unwrap();
     let Some((outcome, console)) =
-        run("files", &["-C", out], OutputSink::preview(), Limits::preview())
+        run("files", &["-C", out], OutputSink::PREVIEW, Limits::preview())
     else {
         return;
     };
     assert_eq!((outcome.status, console.err.as_str()), (0, ""));
     assert!(!Path::new(out).exists());
-    let OutputSink::Preview(files) = outcome.sink else {
-        panic!("a preview stays a preview");
-    };
+    assert!(outcome.sink.preview);
+    let files = outcome.sink.files;
     let shown: Vec<(String, String, Option<u32>)> = files
         .iter()
         .map(|(path, file)| {
@@ -299,7 +298,7 @@ fn a_preview_reaches_nothing_outside() {
     let kept = dir.path().join("kept.txt");
     std::fs::write(&kept, "old\n").unwrap();
     let Some((outcome, console)) =
-        run("outside", &[dir.path().to_str().unwrap()], OutputSink::preview(), Limits::preview())
+        run("outside", &[dir.path().to_str().unwrap()], OutputSink::PREVIEW, Limits::preview())
     else {
         return;
     };
@@ -314,7 +313,7 @@ fn a_preview_reaches_nothing_outside() {
 
 #[test]
 fn templates_start_programs() {
-    let Some((outcome, console)) = run("starts", &[], OutputSink::Direct, Limits::default()) else {
+    let Some((outcome, console)) = run("starts", &[], OutputSink::DIRECT, Limits::default()) else {
         return;
     };
     assert_eq!((outcome.status, console.err.as_str()), (0, ""));
@@ -324,7 +323,7 @@ fn templates_start_programs() {
 #[test]
 fn endless_templates_are_stopped() {
     let limits = Limits { time: Some(Duration::from_millis(300)), ..Limits::default() };
-    let Some((outcome, console)) = run("loops", &[], OutputSink::preview(), limits) else {
+    let Some((outcome, console)) = run("loops", &[], OutputSink::PREVIEW, limits) else {
         return;
     };
     assert_eq!(outcome.status, 2);
@@ -334,7 +333,7 @@ fn endless_templates_are_stopped() {
 #[test]
 fn templates_can_be_cancelled() {
     let limits = Limits { cancel: Some(Arc::new(AtomicBool::new(true))), ..Limits::default() };
-    let Some((outcome, console)) = run("loops", &[], OutputSink::preview(), limits) else {
+    let Some((outcome, console)) = run("loops", &[], OutputSink::PREVIEW, limits) else {
         return;
     };
     assert_eq!((outcome.status, console.err.as_str()), (2, "loops: cancelled\n"));
@@ -343,7 +342,7 @@ fn templates_can_be_cancelled() {
 #[test]
 fn floods_are_stopped() {
     let limits = Limits { output: Some(1 << 20), ..Limits::default() };
-    let Some((outcome, console)) = run("prints", &[], OutputSink::preview(), limits) else {
+    let Some((outcome, console)) = run("prints", &[], OutputSink::PREVIEW, limits) else {
         return;
     };
     assert_eq!(outcome.status, 2);
@@ -353,7 +352,7 @@ fn floods_are_stopped() {
 
 #[test]
 fn a_dead_interpreter_is_an_error() {
-    let Some((outcome, console)) = run("dies", &[], OutputSink::Direct, Limits::default()) else {
+    let Some((outcome, console)) = run("dies", &[], OutputSink::DIRECT, Limits::default()) else {
         return;
     };
     assert_eq!(outcome.status, 2);
@@ -366,7 +365,7 @@ fn a_dead_interpreter_is_an_error() {
 
 #[test]
 fn exit_gives_the_status() {
-    let Some((outcome, console)) = run("exits", &[], OutputSink::Direct, Limits::default()) else {
+    let Some((outcome, console)) = run("exits", &[], OutputSink::DIRECT, Limits::default()) else {
         return;
     };
     assert_eq!((outcome.status, console.err.as_str()), (7, "exits: exit 7\n"));
@@ -384,8 +383,7 @@ fn errors_name_the_source_and_the_line() {
         ),
     ] {
         let args = ["-f", source];
-        let Some((outcome, console)) =
-            run("fails", &args, OutputSink::preview(), Limits::default())
+        let Some((outcome, console)) = run("fails", &args, OutputSink::PREVIEW, Limits::default())
         else {
             return;
         };
@@ -399,7 +397,7 @@ fn a_missing_time_names_its_codel() {
     let (_dir, path) = specification();
     let argument = path.to_str().unwrap();
     let Some((outcome, console)) =
-        run("times", &[argument], OutputSink::preview(), Limits::default())
+        run("times", &[argument], OutputSink::PREVIEW, Limits::default())
     else {
         return;
     };
@@ -449,12 +447,11 @@ fn a_preview_shows_what_a_run_writes() {
         assert_eq!((outcome.status, console.err.as_str()), (0, ""));
         (outcome.sink, console.out)
     };
-    let (preview, shown) = run(OutputSink::preview());
-    let (_, printed) = run(OutputSink::Direct);
+    let (preview, shown) = run(OutputSink::PREVIEW);
+    let (_, printed) = run(OutputSink::DIRECT);
     assert_eq!(text(&shown), text(&printed));
-    let OutputSink::Preview(files) = preview else {
-        panic!("a preview stays a preview");
-    };
+    assert!(preview.preview);
+    let files = preview.files;
     assert!(files.len() > 5);
     for (path, file) in files {
         assert_eq!(text(&std::fs::read(&path).unwrap()), text(&file.after));

@@ -37,16 +37,6 @@ impl Default for Options {
     }
 }
 
-/// Tasks and activities of a component that have a machine, in order of declaration.
-pub fn owners(component: &Component) -> impl Iterator<Item = Owner> + '_ {
-    component.machines()
-}
-
-/// Name of a task or service.
-pub fn owner_name(component: &Component, owner: Owner) -> &str {
-    component.owner_name(owner)
-}
-
 /// Builds the graph of one machine. `None` when the owner has no codel with states.
 pub fn graph(spec: &Spec, component: &Component, owner: Owner, options: Options) -> Option<Graph> {
     let model = fsm::Machine::new(component.codels_of(owner));
@@ -60,7 +50,7 @@ pub fn graph(spec: &Spec, component: &Component, owner: Owner, options: Options)
     .and_then(|i| component.tasks.get(i as usize));
     let mut machine = Machine {
         graph: Graph {
-            title: format!("{}.{}", component.name, owner_name(component, owner)),
+            title: format!("{}.{}", component.name, component.owner_name(owner)),
             direction: Direction::Down,
             ..Graph::default()
         },

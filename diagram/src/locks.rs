@@ -10,7 +10,6 @@ use dotgen_analysis::model::{
 };
 use rustc_hash::FxHashMap;
 
-use crate::fsm::owner_name;
 use crate::graph::{Direction, Edge, Graph, Line, LineStyle, Node, Origin, Shape};
 
 /// The holder of a lock: a codel, or a client that reads or sets an attribute.
@@ -99,7 +98,7 @@ impl Exclusions<'_> {
 
     fn graph(mut self, of: Option<Owner>) -> Graph {
         let component = self.component;
-        let of = of.map_or(String::new(), |owner| format!(".{}", owner_name(component, owner)));
+        let of = of.map_or(String::new(), |owner| format!(".{}", component.owner_name(owner)));
         let mut graph = Graph {
             title: format!("{}{of}: mutual exclusion", component.name),
             direction: Direction::Right,
@@ -244,7 +243,7 @@ impl Exclusions<'_> {
                 let codel = component.codel(reference);
                 (
                     "codel",
-                    format!("{} {}", owner_name(component, reference.owner), states(codel)),
+                    format!("{} {}", component.owner_name(reference.owner), states(codel)),
                     codel.src,
                 )
             }
@@ -312,7 +311,7 @@ fn holder_name(component: &Component, holder: Holder) -> String {
 
 fn holder_id(component: &Component, holder: Holder) -> String {
     match holder {
-        Holder::Codel(codel) => format!("{}#{}", owner_name(component, codel.owner), codel.index),
+        Holder::Codel(codel) => format!("{}#{}", component.owner_name(codel.owner), codel.index),
         Holder::Attribute(attribute) => component.services[attribute as usize].name.to_string(),
     }
 }

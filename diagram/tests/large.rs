@@ -228,7 +228,7 @@ const LIFT: &str = "component lift { ABOUT ids { double h; };
 fn way(states: &[&str]) -> (Option<String>, Vec<String>, Vec<String>) {
     let unit = unit(&LIFT.replace("ABOUT", ABOUT));
     let component = &unit.spec.components[0];
-    let owner = fsm::owners(component).next().expect("a machine");
+    let owner = component.machines().next().expect("a machine");
     let way = states.iter().map(|state| (*state).to_owned()).collect();
     let options = fsm::Options { way, ..fsm::Options::default() };
     let graph = fsm::graph(&unit.spec, component, owner, options).expect("a machine");

@@ -60,7 +60,7 @@ fn pictures(unit: &UnitResult) -> Vec<Graph> {
         .filter(|component| component.kind == ComponentKind::Component)
         .collect();
     for component in &components {
-        for owner in fsm::owners(component) {
+        for owner in component.machines() {
             for (wcet, paths, locks) in [(true, false, false), (true, true, true)] {
                 let options = fsm::Options { wcet, paths, locks, ..fsm::Options::default() };
                 graphs.extend(fsm::graph(spec, component, owner, options));

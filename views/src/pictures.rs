@@ -155,8 +155,8 @@ pub fn draw(units: &[UnitResult], around: &SystemContext, wish: &PictureRequest)
                 out.push(picture(graph, Some(component), owner.clone()));
             }
             (_, owner) => {
-                for found in fsm::owners(component) {
-                    let name = fsm::owner_name(component, found);
+                for found in component.machines() {
+                    let name = component.owner_name(found);
                     if owner.as_ref().is_some_and(|owner| owner != name) {
                         continue;
                     }
@@ -168,7 +168,7 @@ pub fn draw(units: &[UnitResult], around: &SystemContext, wish: &PictureRequest)
                         way: wish.way.clone(),
                     };
                     let graph = fsm::graph(&unit.spec, component, found, options);
-                    let name = Some(name.to_owned());
+                    let name = Some(name.to_string());
                     out.extend(graph.map(|graph| picture(graph, Some(component), name)));
                 }
             }

@@ -7,10 +7,8 @@ use dotgen_syntax::encoding;
 use super::arguments::{self, OptionFlow};
 use crate::compiler::Compiler;
 use crate::environment::Environment;
-use crate::frontend::Frontend;
 use crate::lang::{Language, MapObject, Mapper, text};
 use crate::options::Options as General;
-use crate::template::output::StagedFiles;
 use crate::template::{OutputSink, notice_of, tcl};
 
 pub(super) const ABOUT: &str = "the types of a specification in C or C++, printed";
@@ -116,8 +114,7 @@ fn write_dependencies(
     let rules: String =
         deps.iter().map(|dependency| format!("{target}: {dependency}\n{dependency}:\n")).collect();
     let file = file.unwrap_or_else(|| "out.d".into());
-    let sink = std::mem::replace(&mut env.sink, OutputSink::Direct);
-    let mut files = StagedFiles::new(sink);
+    let mut files = std::mem::replace(&mut env.sink, OutputSink::DIRECT);
     let staged = files.write(&*env.disk, &env.base.join(&file), rules.as_bytes());
     let (sink, written) = files.finish(&*env.disk, staged.is_err());
     env.sink = sink;

@@ -21,12 +21,11 @@ use crate::compiler::Compiler;
 use crate::disk::Disk;
 use crate::environment::Environment;
 use crate::environment::Pictures;
-use crate::frontend::Frontend;
 use crate::options::Options as General;
-use crate::process::Processes;
+use crate::process::{Folder, Processes};
 use crate::template::console::Console;
 use crate::template::output::{Environment as Surroundings, Rights};
-use crate::template::{Failure, Output, OutputSink, notice_of, readable_files};
+use crate::template::{Failure, Output, notice_of, readable_files};
 
 /// Options of all these templates.
 struct Options {
@@ -45,20 +44,13 @@ pub(super) fn run(
     env: &mut Environment<'_>,
 ) -> Result<i32, String> {
     let manifest = texts.manifest(&*env.disk)?;
-    let sink = std::mem::replace(&mut env.sink, OutputSink::Direct);
-    let disk = Arc::clone(&env.disk);
-    let mut output = Output::new(name.to_owned(), env.base.clone(), general.debug, disk, sink);
-    output.confined = match texts {
-        Texts::Folder(_) => env.confined.clone(),
-        Texts::Embedded(_) => env.confined.clone().map(super::of_dotgen),
-    };
-    if let Texts::Folder(_) = texts {
-        output.rights = Rights::MiniJinja(env.allowed(general));
-    }
-    let result = write(name, &manifest, texts, args, general, compiler, env, &mut output);
-    let (sink, written) = output.finish(!matches!(result, Ok(0)));
-    env.sink = sink;
-    written.map_err(|error| error.to_string()).and(result)
+    super::with_output(name, general, env, |env, output| {
+        if let Texts::Folder(_) = texts {
+            output.confined.clone_from(&env.confined);
+            output.rights = Rights::MiniJinja(env.allowed(general));
+        }
+        write(name, &manifest, texts, args, general, compiler, env, output)
+    })
 }
 
 #[allow(clippy::too_many_arguments, reason = "the parts of a run")]
@@ -90,17 +82,9 @@ fn write(
     let folder = env.base.join(&general.directory);
     let notice = notice_of(&*env.disk, &folder, &options.inputs).unwrap_or_default();
     let run = Data::new(&*env.disk, compiler, &options, notice, &output.dir, &output.base)?;
-    let tmpdir = env
-        .processes
-        .folder(None)
-        .map_err(|error| format!("cannot create a temporary directory: {error}"))?;
     let mut expander = expander(&run, texts, env)?;
-    let mut files = Files::new(
-        env.console,
-        tmpdir.path().to_owned(),
-        general.verbose.then(|| name.to_owned()),
-        &*env.processes,
-    );
+    let verbose = general.verbose.then(|| name.to_owned());
+    let mut files = Files::new(env.console, verbose, &*env.processes)?;
     let limit = env.limits.output.unwrap_or(u64::MAX);
     let mut written = 0;
     for rule in &manifest.files {
@@ -400,7 +384,7 @@ impl Data {
 /// The channels and temporary files of a run.
 pub(super) struct Files<'a> {
     console: &'a mut dyn Console,
-    tmpdir: PathBuf,
+    tmpdir: Box<dyn Folder>,
     count: u32,
     /// Prefix of messages, if they are printed.
     verbose: Option<String>,
@@ -408,15 +392,16 @@ pub(super) struct Files<'a> {
 }
 
 impl<'a> Files<'a> {
-    /// Temporary files are created below `tmpdir`. Messages begin with `verbose`; without it, none are
-    /// printed.
+    /// Messages begin with `verbose`; without it, none are printed.
     pub(super) fn new(
         console: &'a mut dyn Console,
-        tmpdir: PathBuf,
         verbose: Option<String>,
         processes: &'a dyn Processes,
-    ) -> Files<'a> {
-        Files { console, tmpdir, count: 0, verbose, processes }
+    ) -> Result<Files<'a>, String> {
+        let tmpdir = processes
+            .folder(None)
+            .map_err(|error| format!("cannot create a temporary directory: {error}"))?;
+        Ok(Files { console, tmpdir, count: 0, verbose, processes })
     }
 }
 
@@ -427,7 +412,7 @@ impl Surroundings for Files<'_> {
 
     fn temporary(&mut self) -> PathBuf {
         self.count += 1;
-        self.tmpdir.join(format!("file{}", self.count))
+        self.tmpdir.path().join(format!("file{}", self.count))
     }
 
     fn format_time(&mut self, time: SystemTime) -> String {

@@ -1,15 +1,12 @@
 //! `ros2-interfaces`: ROS 2 packages with the types of components.
 
-use std::sync::Arc;
-
 use super::arguments::{self, OptionFlow};
 use super::render::Files;
 use crate::compiler::Compiler;
 use crate::environment::Environment;
-use crate::frontend::Frontend;
 use crate::lang::Anchor;
 use crate::options::Options as General;
-use crate::template::{Failure, Output, OutputSink};
+use crate::template::{Failure, Output};
 
 pub(super) const NAME: &str = "ros2-interfaces";
 
@@ -29,14 +26,9 @@ pub(super) fn run(
     compiler: &mut Compiler,
     env: &mut Environment<'_>,
 ) -> Result<i32, String> {
-    let sink = std::mem::replace(&mut env.sink, OutputSink::Direct);
-    let disk = Arc::clone(&env.disk);
-    let mut output = Output::new(NAME.to_owned(), env.base.clone(), general.debug, disk, sink);
-    output.confined = env.confined.clone().map(super::of_dotgen);
-    let result = write(args, general, compiler, env, &mut output);
-    let (sink, written) = output.finish(!matches!(result, Ok(0)));
-    env.sink = sink;
-    written.map_err(|error| error.to_string()).and(result)
+    super::with_output(NAME, general, env, |env, output| {
+        write(args, general, compiler, env, output)
+    })
 }
 
 fn write(
@@ -80,16 +72,8 @@ fn write(
         env.console.err(&format!("{place}{refusal}"));
     }
     output.dir = directory;
-    let tmpdir = env
-        .processes
-        .folder(None)
-        .map_err(|error| format!("cannot create a temporary directory: {error}"))?;
-    let mut files = Files::new(
-        env.console,
-        tmpdir.path().to_owned(),
-        general.verbose.then(|| NAME.to_owned()),
-        &*env.processes,
-    );
+    let verbose = general.verbose.then(|| NAME.to_owned());
+    let mut files = Files::new(env.console, verbose, &*env.processes)?;
     for (path, text) in &packages.files {
         let written = output.commit(path, "", text, &mut files);
         written.map_err(Failure::into_text)?;

@@ -153,51 +153,71 @@ pub fn plan(
             .collect()
     };
     let sources = || folder.sources.of_components(&own);
-    let compile: Vec<Step> = sources()
-        .map(|source| compile_step(source, place, codels, tools, packages, names.as_ref()))
-        .collect();
+    let build = Build { place, codels, tools, packages };
+    let compile: Vec<Step> = sources().map(|source| build.source(source, names.as_ref())).collect();
     let is_cxx = |file: &IndexedFile| file.path.extension() != Some("c");
     let linker = if sources().any(is_cxx) { &tools.cxx } else { &tools.c };
-    let output = place.join(format!("{name}.so"));
-    let inputs: Vec<Utf8PathBuf> = compile.iter().map(|step| step.output.clone()).collect();
-    let mut command = linker.clone();
-    command.extend(["-shared", "-o", output.as_str()].map(str::to_owned));
-    command.extend(inputs.iter().map(ToString::to_string));
-    command.extend(packages.link.iter().cloned());
-    command.push("-lm".to_owned());
-    Ok(Plan { link: Step { source: None, output, command, inputs }, headers, compile, missing })
+    let inputs = compile.iter().map(|step| step.output.clone()).collect();
+    let link = build.link(&name, linker.clone(), inputs, &["-lm"]);
+    Ok(Plan { headers, compile, link, missing })
 }
 
-fn compile_step(
-    source: &IndexedFile,
-    place: &Utf8Path,
-    codels: &Utf8Path,
-    tools: &Tools,
-    packages: &Packages,
-    names: Option<&String>,
-) -> Step {
-    let compiler = match source.path.extension() {
-        Some("c") => &tools.c,
-        _ => &tools.cxx,
-    };
-    let name = source.path.strip_prefix(codels).unwrap_or(&source.path);
-    // Sources in subfolders may have equal names.
-    let name = name.as_str().replace('_', "__").replace(['/', '\\'], "_-");
-    let output = place.join("objects").join(format!("{name}.o"));
-    let mut command = compiler.clone();
-    if source.path.extension() != Some("c") {
-        command.extend(names.cloned());
+/// The parts that the steps of a build have in common.
+pub(super) struct Build<'a> {
+    /// The folder of headers and objects.
+    pub(super) place: &'a Utf8Path,
+    /// The folder of the sources.
+    pub(super) codels: &'a Utf8Path,
+    pub(super) tools: &'a Tools,
+    pub(super) packages: &'a Packages,
+}
+
+impl Build<'_> {
+    fn source(&self, source: &IndexedFile, names: Option<&String>) -> Step {
+        let name = source.path.strip_prefix(self.codels).unwrap_or(&source.path);
+        // Sources in subfolders may have equal names.
+        let name = name.as_str().replace('_', "__").replace(['/', '\\'], "_-");
+        let is_c = source.path.extension() == Some("c");
+        let compiler = if is_c { &self.tools.c } else { &self.tools.cxx };
+        let compiler = compiler.iter().chain(names.filter(|_| !is_c)).cloned().collect();
+        // Columns are counted in characters.
+        self.compile(source.path.clone(), &name, compiler, &["-Wall", "-ftabstop=1"])
     }
-    // Columns are counted in characters.
-    command.extend(
-        ["-c", "-fPIC", "-g", tools.optimization.flag(), "-Wall", "-ftabstop=1", "-MMD", "-MF"]
-            .map(str::to_owned),
-    );
-    command.push(dependencies_of(&output).to_string());
-    command.extend(headers::include_flags(place, codels));
-    command.extend(packages.compile.iter().cloned());
-    command.extend(["-o".to_owned(), output.to_string(), source.path.to_string()]);
-    Step { inputs: vec![source.path.clone()], source: Some(source.path.clone()), output, command }
+
+    /// The step that compiles a source to the object `NAME.o`. `flags` are those of its messages.
+    pub(super) fn compile(
+        &self,
+        source: Utf8PathBuf,
+        name: &str,
+        mut command: Vec<String>,
+        flags: &[&str],
+    ) -> Step {
+        let output = self.place.join("objects").join(format!("{name}.o"));
+        let level = self.tools.optimization.flag();
+        let flags = [&["-c", "-fPIC", "-g", level], flags, &["-MMD", "-MF"]].concat();
+        command.extend(flags.into_iter().map(str::to_owned));
+        command.push(dependencies_of(&output).to_string());
+        command.extend(headers::include_flags(self.place, self.codels));
+        command.extend(self.packages.compile.iter().cloned());
+        command.extend(["-o".to_owned(), output.to_string(), source.to_string()]);
+        Step { inputs: vec![source.clone()], source: Some(source), output, command }
+    }
+
+    /// The step that links objects to the shared object `NAME.so`.
+    pub(super) fn link(
+        &self,
+        name: &str,
+        mut command: Vec<String>,
+        inputs: Vec<Utf8PathBuf>,
+        libraries: &[&str],
+    ) -> Step {
+        let output = self.place.join(format!("{name}.so"));
+        command.extend(["-shared", "-o", output.as_str()].map(str::to_owned));
+        command.extend(inputs.iter().map(ToString::to_string));
+        command.extend(self.packages.link.iter().cloned());
+        command.extend(libraries.iter().map(|&library| library.to_owned()));
+        Step { source: None, output, command, inputs }
+    }
 }
 
 fn dependencies_of(output: &Utf8Path) -> Utf8PathBuf {

@@ -71,8 +71,6 @@ pub struct SyncOptions {
     /// Yields to remove that the code never returns: name of the codel, and the state as written (`main`,
     /// `pause::main`). Other yields are not removed, because they may be intended.
     pub remove_yields: Vec<(String, String)>,
-    /// The kinds of drift to repair; all if empty.
-    pub only: Vec<&'static str>,
 }
 
 impl SyncOptions {
@@ -248,14 +246,10 @@ fn round(
         // Stubs of one folder are made together: several may go into one new file.
         let mut stubs: BTreeMap<u32, Vec<_>> = BTreeMap::new();
         for drift in &findings {
-            let wanted = options.only.is_empty() || options.only.contains(&drift.code());
             let Some(expected) = all.iter().find(|expected| expected.component == drift.component)
             else {
                 continue;
             };
-            if !wanted {
-                continue;
-            }
             let named = |repair: &&Repair| options.removes(expected, repair);
             let stub_options = project.stub_options(&folder.specification);
             let repairs = project.repairs(&folder, expected, &stub_options);

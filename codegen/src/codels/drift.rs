@@ -237,8 +237,6 @@ pub struct NameReplacement {
 pub struct DriftOptions {
     /// Names of codels of specifications that share the sources.
     pub also_named: FxHashSet<Name>,
-    /// True if a parameter with another name and the right type is a mismatch.
-    pub parameter_names: bool,
     /// The reliable part of the specification.
     pub trust: Arc<Reliability>,
 }

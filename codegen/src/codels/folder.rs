@@ -85,11 +85,7 @@ impl Folder {
     }
 
     fn options(&self) -> DriftOptions {
-        DriftOptions {
-            also_named: self.also_named.clone(),
-            trust: self.trust.clone(),
-            ..DriftOptions::default()
-        }
+        DriftOptions { also_named: self.also_named.clone(), trust: self.trust.clone() }
     }
 
     /// Findings after configuration and comments on both sides are applied: with their severities, without

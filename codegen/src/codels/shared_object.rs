@@ -4,7 +4,7 @@ use camino::Utf8Path;
 use dotgen_analysis::model::Name;
 use rustc_hash::FxHashSet;
 
-use super::build::{Packages, Plan, Step, Tools};
+use super::build::{Build, Packages, Plan, Step, Tools};
 use super::folder::Folder;
 use super::links::implementations;
 use super::stub::NewFile;
@@ -37,6 +37,7 @@ pub fn hosted(
     tools: &Tools,
     packages: &Packages,
 ) -> Result<Vec<SharedObject>, String> {
+    let build = Build { place, codels: &folder.sources.folder, tools, packages };
     let all = folder.expected();
     let all = all.iter().map(|expected| {
         let functions = expected.functions.iter().map(|function| &function.name);
@@ -47,42 +48,22 @@ pub fn hosted(
         let is_cxx = expected.language == Language::Cxx;
         let (compiler, extension) = if is_cxx { (&tools.cxx, "cc") } else { (&tools.c, "c") };
         let path = place.join(format!("{name}-glue.{extension}"));
-        let object = place.join("objects").join(format!("{name}-glue.o"));
-        let codels = &folder.sources.folder;
         let mut command = compiler.clone();
         command.extend(headers::flags_of_names(expected));
         // A user cannot fix the causes of warnings in the glue.
-        let level = tools.optimization.flag();
-        let flags = ["-c", "-fPIC", "-g", level, "-w", "-MMD", "-MF"];
-        command.extend(flags.map(str::to_owned));
-        command.push(format!("{object}.d"));
-        command.extend(headers::include_flags(place, codels));
-        command.extend(packages.compile.iter().cloned());
-        command.extend(["-o".to_owned(), object.to_string(), path.to_string()]);
-        let compile = Step {
-            source: Some(path.clone()),
-            inputs: vec![path.clone()],
-            output: object.clone(),
-            command,
-        };
-        let output = place.join(format!("{name}-run.so"));
+        let compile = build.compile(path.clone(), &format!("{name}-glue"), command, &["-w"]);
         let mut inputs = plan.link.inputs.clone();
-        inputs.push(object);
+        inputs.push(compile.output.clone());
         let linker = if is_cxx {
             tools.cxx.clone()
         } else {
             let words = plan.link.command.iter();
             words.take_while(|word| *word != "-shared").cloned().collect()
         };
-        let mut command: Vec<String> = linker;
-        command.extend(["-shared", "-o", output.as_str()].map(str::to_owned));
-        command.extend(inputs.iter().map(ToString::to_string));
-        command.extend(packages.link.iter().cloned());
-        command.extend(["-lm", "-lpthread"].map(str::to_owned));
         Ok(SharedObject {
             component: expected.component,
             glue: NewFile { path, text },
-            link: Step { source: None, output, command, inputs },
+            link: build.link(&format!("{name}-run"), linker, inputs, &["-lm", "-lpthread"]),
             compile,
             missing,
         })

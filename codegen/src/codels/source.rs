@@ -143,8 +143,6 @@ pub struct Body {
     pub calls: Vec<Call>,
     /// Every `throw` of a named type, in text order (C++).
     pub throws: Vec<Throw>,
-    /// True if there is a `throw` of another expression.
-    pub throws_unknown: bool,
     /// Every identifier.
     pub mentions: FxHashSet<SmolStr>,
     /// Parameters with a use that may write a port: every use except `NAME->data(…)` and other calls of a

@@ -1,11 +1,11 @@
 //! C: the text of type definitions and codel prototypes.
 
-use dotgen_analysis::model::{ParamDir, PortDir, TypeId, TypeKind, Value};
+use dotgen_analysis::model::{ParamDir, TypeId, TypeKind, Value};
 use dotgen_analysis::release::Change;
 
 use super::c::declarator;
 use super::text::c_name;
-use super::{LangResult, MapObject, Mapper, PassingMode, value_text};
+use super::{LangResult, MapObject, Mapper, PassingMode, port_calls, value_text};
 
 pub(super) fn mapping(m: &Mapper<'_>, objects: &[MapObject], locations: bool) -> LangResult {
     let writer = Writer { m, locations };
@@ -277,12 +277,7 @@ impl Writer<'_, '_> {
             "\n#include \"genom3/c/exception.h\"{}\ntypedef struct {n} {{\n  {data} (*data)({arguments});",
             self.mark(ty)
         );
-        let calls: &[&str] = match (port.dir, port.multiple) {
-            (PortDir::In, _) => &["read"],
-            (PortDir::Out, false) => &["write"],
-            (PortDir::Out, true) => &["write", "open", "close"],
-        };
-        for call in calls {
+        for call in port_calls(port) {
             body += &format!("\n  genom_event (*{call})({arguments});");
         }
         body += &format!("\n}} {n};");
@@ -292,20 +287,13 @@ impl Writer<'_, '_> {
     fn remote(&self, ty: TypeId, component: u32, remote: u32) -> LangResult {
         let n = declarator(self.m, ty, "")?;
         let remote = &self.m.spec.components[component as usize].remotes[remote as usize];
+        let arguments = self.m.remote_arguments(remote)?;
         let mut needed = String::new();
-        let mut arguments = Vec::new();
-        for param in &remote.params {
-            let passing = match param.dir {
-                ParamDir::In => PassingMode::Value,
-                ParamDir::Out | ParamDir::Inout => PassingMode::Reference,
-                ParamDir::Local => continue,
-            };
-            arguments.push(self.m.argument(param.ty, passing, &param.name)?);
+        for param in remote.params.iter().filter(|param| param.dir != ParamDir::Local) {
             if matches!(self.m.kind(param.ty), TypeKind::Sequence { .. }) {
                 needed += &self.anonymous(param.ty)?;
             }
         }
-        arguments.push("genom_context self".into());
         let body = format!(
             "\n#include \"genom3/c/exception.h\"{}\ntypedef struct {n} {{\
              \n  genom_event (*call)({});\n}} {n};",

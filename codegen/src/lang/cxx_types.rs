@@ -1,11 +1,11 @@
 //! C++: the text of type definitions and codel prototypes.
 
-use dotgen_analysis::model::{ParamDir, PortDir, ScopeKind, TypeId, TypeKind, Value};
+use dotgen_analysis::model::{PortDir, ScopeKind, TypeId, TypeKind, Value};
 
 use super::c_types::{literal, mentions_sized_integer};
 use super::cxx::declarator;
 use super::text::cxx_name;
-use super::{LangError, LangResult, MapObject, Mapper, PassingMode};
+use super::{LangError, LangResult, MapObject, Mapper, PassingMode, port_calls};
 
 const EVENT_HEADER: &str = "\n#include \"genom3/c++/event.h\"";
 
@@ -248,12 +248,7 @@ impl Writer<'_, '_> {
             self.mark(ty),
             self.name(ty)?
         );
-        let calls: &[&str] = match (port.dir, port.multiple) {
-            (PortDir::In, _) => &["read"],
-            (PortDir::Out, false) => &["write"],
-            (PortDir::Out, true) => &["write", "open", "close"],
-        };
-        for call in calls {
+        for call in port_calls(port) {
             body += &format!("\n  virtual void {call}({arguments}) = 0;");
         }
         body += "\n};";
@@ -262,18 +257,7 @@ impl Writer<'_, '_> {
 
     fn remote(&self, ty: TypeId, component: u32, remote: u32) -> LangResult {
         let remote = &self.m.spec.components[component as usize].remotes[remote as usize];
-        let mut arguments = Vec::new();
-        for param in &remote.params {
-            let passing = match param.dir {
-                ParamDir::In => PassingMode::Value,
-                ParamDir::Out | ParamDir::Inout => PassingMode::Reference,
-                ParamDir::Local => continue,
-            };
-            arguments.push(self.m.argument(param.ty, passing, &param.name)?);
-        }
-        if arguments.is_empty() {
-            arguments.push("void".into());
-        }
+        let arguments = self.m.remote_arguments(remote)?;
         let body = format!(
             "{}\nstruct {} {{\n  virtual void call({}) = 0;\n}};",
             self.mark(ty),

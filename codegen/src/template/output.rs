@@ -2,9 +2,8 @@
 
 mod concern;
 mod permissions;
-mod staged;
+mod sink;
 
-use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -20,7 +19,7 @@ use crate::process::{Channels, Processes, Program, Resources};
 pub use concern::Concern;
 use concern::{concern, is_new_executable};
 pub(crate) use permissions::Rights;
-pub(crate) use staged::StagedFiles;
+pub use sink::OutputSink;
 
 /// A file written by a template in a run that writes nothing to disk.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -33,33 +32,6 @@ pub struct PreviewFile {
     pub mode: Option<u32>,
     /// The reason why the user must review the file: see [`Confirmation::Shown`].
     pub concern: Option<Concern>,
-}
-
-/// The destination of the files of a template.
-#[derive(Debug)]
-pub enum OutputSink {
-    /// The disk, after the template has ended without an error: all files, or none.
-    Direct,
-    /// Memory, by absolute path.
-    Preview(BTreeMap<PathBuf, PreviewFile>),
-}
-
-impl OutputSink {
-    /// A sink that writes nothing.
-    pub fn preview() -> OutputSink {
-        OutputSink::Preview(BTreeMap::new())
-    }
-
-    /// Writes the files that were kept, all or none.
-    ///
-    /// # Errors
-    /// Returns the first file that cannot be written, and the reason.
-    pub(crate) fn write_out(self, disk: &dyn Disk) -> Result<(), WriteError> {
-        match self {
-            OutputSink::Preview(files) => StagedFiles::direct(files).finish(disk, false).1,
-            OutputSink::Direct => Ok(()),
-        }
-    }
 }
 
 /// Switches of the engine for existing files.
@@ -155,7 +127,7 @@ pub(crate) struct Output {
     /// Base directory of relative paths; empty for the current one.
     pub(crate) base: PathBuf,
     /// The files written so far.
-    pub(crate) files: StagedFiles,
+    pub(crate) files: OutputSink,
     /// The disk before the run.
     pub(crate) disk: Arc<dyn Disk>,
     /// Name of the template, for messages.
@@ -180,7 +152,7 @@ impl Output {
             merge_tool: "interactive".into(),
             dir: String::new(),
             base,
-            files: StagedFiles::new(sink),
+            files: sink,
             disk,
             template,
             confined: None,

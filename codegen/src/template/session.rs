@@ -17,7 +17,8 @@ use super::object::Registry;
 use super::output::{Environment, Output, posix};
 use super::readable_files::ReadableFiles;
 use super::{Failure, Outcome, Run, tcl};
-use crate::frontend::{Compiled, Frontend};
+use crate::compiler::Compiler;
+use crate::frontend::Compiled;
 use crate::lang::Language;
 use crate::process::Processes;
 
@@ -25,7 +26,7 @@ use crate::process::Processes;
 pub(super) struct Session<'a> {
     run: &'a Run<'a>,
     host: Host,
-    frontend: &'a mut dyn Frontend,
+    compiler: &'a mut Compiler,
     console: &'a mut dyn Console,
     compiled: Compiled,
     registry: Rc<Registry>,
@@ -55,7 +56,7 @@ type Reply = Result<Answer, Failure>;
 
 pub(super) fn run(
     run: &Run<'_>,
-    frontend: &mut dyn Frontend,
+    compiler: &mut Compiler,
     console: &mut dyn Console,
     output: Output,
     tmpdir: PathBuf,
@@ -95,11 +96,11 @@ pub(super) fn run(
             };
         }
     };
-    let compiled = frontend.compiled();
+    let compiled = compiler.compiled();
     let mut session = Session {
         run,
         host,
-        frontend,
+        compiler,
         console,
         compiled,
         registry: Rc::new(Registry::default()),
@@ -158,8 +159,7 @@ impl Session<'_> {
             self.console.err(&format!("{name}: {message}"));
             outcome.status = 2;
             outcome.error = Some(message);
-        } else if ended_by_us && unwritten > 0 && matches!(outcome.sink, super::OutputSink::Direct)
-        {
+        } else if ended_by_us && unwritten > 0 && !outcome.sink.preview {
             let message = format!("{name}: nothing was written, since the template did not end");
             self.console.err(&message);
         }

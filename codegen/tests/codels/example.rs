@@ -38,10 +38,8 @@ fn every_seeded_drift_is_found_and_nothing_else() {
 fn fix_all_leaves_nothing_to_report_and_the_code_compiles() {
     let mut host = host(Vec::new());
     let mut project = Project::new(&mut host, &Disk, FilesConfig::default(), stubs());
-    let options = SyncOptions {
-        remove_yields: vec![("tank_control_main".into(), "stop".into())],
-        ..SyncOptions::default()
-    };
+    let remove_yields = vec![("tank_control_main".into(), "stop".into())];
+    let options = SyncOptions { remove_yields };
     let report = sync(&mut project, &[root()], &options);
     let left = report.left;
     assert!(left.findings.is_empty() && left.errors.is_empty(), "{left:#?}");

@@ -55,7 +55,7 @@ pub(super) fn compare(input: &[u8]) {
     let config = FilesConfig::default();
     let mut project = Project::new(&mut host, &memory, config, StubOptions::default());
     let before = command::check(&mut project, std::slice::from_ref(&root));
-    let options = SyncOptions { remove_yields: Vec::new(), only: Vec::new() };
+    let options = SyncOptions::default();
     let report = command::sync(&mut project, std::slice::from_ref(&root), &options);
     let after = command::check(&mut project, &[root]);
     drop((before, report, after));

@@ -133,8 +133,7 @@ fn differences(check: &Check<'_>, wanted: &Function, found: &Function) -> Vec<Pr
     }
     for (number, (w, f)) in (1..).zip(w.iter().zip(f)) {
         let wrong = match compare(&w.ty, &f.ty) {
-            Verdict::Same => check.options.parameter_names && f.name.is_some() && w.name != f.name,
-            Verdict::Unknown => false,
+            Verdict::Same | Verdict::Unknown => false,
             Verdict::Constness | Verdict::Different => true,
         };
         if wrong {

@@ -1,11 +1,11 @@
 //! Ports: the `port` arguments of codels, and the places of their data. Remote services.
 
-use dotgen_analysis::model::{ParamDir, Port, PortDir, Remote, TypeKind};
+use dotgen_analysis::model::{Port, PortDir, Remote, TypeKind};
 use std::fmt::Write as _;
 
 use super::Glue;
 use crate::codels::value::{is_input, is_output};
-use crate::lang::{LangResult, PassingMode};
+use crate::lang::{LangResult, PassingMode, port_calls, remote_passing};
 
 impl Glue<'_, '_> {
     pub(super) fn ports(&self) -> LangResult {
@@ -123,17 +123,9 @@ impl Glue<'_, '_> {
              \x20 if ({seen}) return NULL;\n  return {address};\n}}\n"
         );
         let fails = "{ genom_syserr_detail d = { ENOENT }; return genom_syserr(&d, self); }";
-        let calls: &[(&str, String)] = &match port.dir {
-            PortDir::In => vec![("read", format!("glue_read_{at}({id});"))],
-            PortDir::Out if !port.multiple => vec![("write", format!("glue_write_{at}({id});"))],
-            PortDir::Out => vec![
-                ("write", format!("if (!glue_write_{at}({id})) {fails}")),
-                ("open", format!("glue_open_{at}({id});")),
-                ("close", format!("if (!glue_close_{at}({id})) {fails}")),
-            ],
-        };
         let mut members = vec![format!("glue_data_{at}")];
-        for (call, body) in calls {
+        for call in port_calls(port) {
+            let body = moved(call, at, port, fails);
             _ = write!(
                 out,
                 "\nstatic genom_event\nglue_c_{call}_{at}({arguments})\n{{\n  (void)self;\n  {body}\n\
@@ -173,16 +165,8 @@ impl Glue<'_, '_> {
              \x20   pthread_mutex_unlock(&glue_mutex);\n{missing}    return it->value;\n  }}\n"
         );
         let fails = "{ genom::syserr e; e.detail.code = ENOENT; throw e; }";
-        let calls: &[(&str, String)] = &match port.dir {
-            PortDir::In => vec![("read", format!("glue_read_{at}({id});"))],
-            PortDir::Out if !port.multiple => vec![("write", format!("glue_write_{at}({id});"))],
-            PortDir::Out => vec![
-                ("write", format!("if (!glue_write_{at}({id})) {fails}")),
-                ("open", format!("glue_open_{at}({id});")),
-                ("close", format!("if (!glue_close_{at}({id})) {fails}")),
-            ],
-        };
-        for (call, body) in calls {
+        for call in port_calls(port) {
+            let body = moved(call, at, port, fails);
             _ = writeln!(out, "  void {call}({arguments}) {{ {body} }}");
         }
         _ = writeln!(out, "}};\nstatic glue_class_{at} glue_port_{at};");
@@ -192,15 +176,12 @@ impl Glue<'_, '_> {
     /// A call of a service of another component, which the engine forwards; the codel waits.
     fn remote(&self, at: usize, remote: &Remote) -> LangResult {
         let name = self.mapper.declarator(remote.ty, "")?;
-        let mut arguments = Vec::new();
+        let arguments = self.mapper.remote_arguments(remote)?.join(", ");
         let (mut save, mut load) = (String::new(), String::new());
         for param in &remote.params {
-            let passing = match param.dir {
-                ParamDir::In => PassingMode::Value,
-                ParamDir::Out | ParamDir::Inout => PassingMode::Reference,
-                ParamDir::Local => continue,
+            let Some(passing) = remote_passing(param) else {
+                continue;
             };
-            arguments.push(self.mapper.argument(param.ty, passing, &param.name)?);
             let ty = self.known(param.ty)?;
             let is_array = matches!(
                 self.kind(param.ty),
@@ -230,24 +211,28 @@ impl Glue<'_, '_> {
              \x20 free(glue_out.bytes);\n"
         );
         if self.is_cxx() {
-            if arguments.is_empty() {
-                arguments.push("void".into());
-            }
             return Ok(format!(
                 "\nstruct glue_remote_class_{at} : public {name} {{\n\
-                 \x20 void call({}) {{\n{body}\
+                 \x20 void call({arguments}) {{\n{body}\
                  \x20 if (glue_error) {{ genom::syserr e; e.detail.code = glue_error; throw e; }}\n  }}\n}};\n\
-                 static glue_remote_class_{at} glue_remote_{at};\n",
-                arguments.join(", ")
+                 static glue_remote_class_{at} glue_remote_{at};\n"
             ));
         }
-        arguments.push("genom_context self".into());
         Ok(format!(
-            "\nstatic genom_event\nglue_call_{at}({})\n{{\n{body}\
+            "\nstatic genom_event\nglue_call_{at}({arguments})\n{{\n{body}\
              \x20 if (glue_error) {{\n    genom_syserr_detail d = {{ glue_error }};\n\
              \x20   return genom_syserr(&d, self);\n  }}\n  return genom_ok;\n}}\n\
-             static {name} glue_remote_{at} = {{ glue_call_{at} }};\n",
-            arguments.join(", ")
+             static {name} glue_remote_{at} = {{ glue_call_{at} }};\n"
         ))
+    }
+}
+
+/// The statement of a call of a port. `fails` ends a call with an instance that is not open.
+fn moved(call: &str, at: usize, port: &Port, fails: &str) -> String {
+    let id = if port.multiple { "id" } else { "\"\"" };
+    if port.multiple && matches!(call, "write" | "close") {
+        format!("if (!glue_{call}_{at}({id})) {fails}")
+    } else {
+        format!("glue_{call}_{at}({id});")
     }
 }

@@ -26,7 +26,6 @@ pub(super) fn read(block: Node<'_>, parameters: &[Parameter], text: &str) -> Bod
             returns: Vec::new(),
             calls: Vec::new(),
             throws: Vec::new(),
-            throws_unknown: false,
             mentions: FxHashSet::default(),
             escaping: FxHashSet::default(),
             free: Vec::new(),
@@ -191,7 +190,6 @@ impl<'t> Reader<'t> {
     fn throw(&mut self, node: Node<'t>) {
         let Some(value) = node.named_child(0) else {
             // A rethrow of a caught exception.
-            self.body.throws_unknown = true;
             return;
         };
         let name = match value.kind() {
@@ -202,13 +200,10 @@ impl<'t> Reader<'t> {
         let named = name.filter(|name| {
             matches!(name.kind(), "identifier" | "qualified_identifier" | "type_identifier")
         });
-        match named {
-            Some(name) => self.body.throws.push(Throw {
-                name: compact(source(name, self.text)).into(),
-                span: name.byte_range(),
-            }),
-            None => self.body.throws_unknown = true,
-        }
+        self.body.throws.extend(named.map(|name| Throw {
+            name: compact(source(name, self.text)).into(),
+            span: name.byte_range(),
+        }));
     }
 
     /// The possible values of an expression.

@@ -317,11 +317,11 @@ impl Session<'_> {
             if let Some(notice) = notice_of(&*self.run.disk, &folder, inputs) {
                 self.notice.get_or_insert_default().push_str(&notice);
             }
-            self.frontend.parse_files(inputs, &mut report)
+            self.compiler.parse_files(inputs, &mut report)
         } else {
-            self.frontend.parse_strings(inputs, &mut report)
+            self.compiler.parse_strings(inputs, &mut report)
         };
-        self.compiled = self.frontend.compiled();
+        self.compiled = self.compiler.compiled();
         let mut registry = std::mem::take(&mut self.registry);
         let created = if let Some(registry) = Rc::get_mut(&mut registry) {
             registry.update(&self.compiled.spec)

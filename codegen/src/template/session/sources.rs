@@ -69,7 +69,7 @@ impl Session<'_> {
         let mut output = {
             let disk = std::sync::Arc::clone(&self.run.disk);
             let empty =
-                Output::new(String::new(), Default::default(), false, disk, OutputSink::Direct);
+                Output::new(String::new(), Default::default(), false, disk, OutputSink::DIRECT);
             std::mem::replace(&mut self.output, empty)
         };
         let result = output.commit(name, permissions, text, self);

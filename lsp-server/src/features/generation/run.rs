@@ -209,7 +209,7 @@ impl Job {
             console: &mut console,
             limits: Limits { cancel: Some(cancel), ..Limits::preview() },
             base: self.file.parent().map(Into::into).unwrap_or_default(),
-            sink: OutputSink::preview(),
+            sink: OutputSink::PREVIEW,
             processes: dotgen_platform::process::system(),
             confined: Some(Confinement {
                 results: self.folders.iter().map(Into::into).collect(),
@@ -221,15 +221,11 @@ impl Job {
             release: self.config.release_of(&self.file),
         };
         let status = command::generate(&arguments, &mut environment);
-        let sink = std::mem::replace(&mut environment.sink, OutputSink::Direct);
+        let sink = std::mem::replace(&mut environment.sink, OutputSink::DIRECT);
         let failed_at = environment.failed_at.take();
-        let files = match sink {
-            OutputSink::Preview(files) => files,
-            OutputSink::Direct => BTreeMap::new(),
-        };
         Generated {
             status,
-            files,
+            files: sink.files,
             output: String::from_utf8_lossy(&console.out).into_owned(),
             messages: console.err,
             failed_at,

@@ -4,32 +4,27 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::{OutputSink, PreviewFile, concern, permissions};
+use super::{PreviewFile, concern, permissions};
 use crate::disk::{Disk, NewContent, WriteError};
 use crate::template::Failure;
 use crate::template::readable_files::plain;
 
-/// Files in memory over the files on disk. Reads return what was written before.
+/// The destination of the files of a template: files in memory over files on disk. Reads return what was
+/// written before.
 #[derive(Debug)]
-pub(crate) struct StagedFiles {
-    files: BTreeMap<PathBuf, PreviewFile>,
-    /// True if the files are written to disk at the end.
-    direct: bool,
+pub struct OutputSink {
+    /// The files, by absolute path.
+    pub files: BTreeMap<PathBuf, PreviewFile>,
+    /// True if the files only stay in memory. Otherwise they are written to disk after the template has ended
+    /// without an error: all files, or none.
+    pub preview: bool,
 }
 
-impl StagedFiles {
-    /// A staging area for a sink.
-    pub(crate) fn new(sink: OutputSink) -> StagedFiles {
-        match sink {
-            OutputSink::Direct => StagedFiles { files: BTreeMap::new(), direct: true },
-            OutputSink::Preview(files) => StagedFiles { files, direct: false },
-        }
-    }
-
-    /// Files to be written to disk.
-    pub(crate) fn direct(files: BTreeMap<PathBuf, PreviewFile>) -> StagedFiles {
-        StagedFiles { files, direct: true }
-    }
+impl OutputSink {
+    /// The disk.
+    pub const DIRECT: OutputSink = OutputSink { files: BTreeMap::new(), preview: false };
+    /// A sink that writes nothing.
+    pub const PREVIEW: OutputSink = OutputSink { files: BTreeMap::new(), preview: true };
 
     /// Number of files that differ from those of the disk.
     pub(crate) fn changed(&self) -> usize {
@@ -43,8 +38,8 @@ impl StagedFiles {
         disk: &dyn Disk,
         failed: bool,
     ) -> (OutputSink, Result<(), WriteError>) {
-        if !self.direct {
-            return (OutputSink::Preview(self.files), Ok(()));
+        if self.preview {
+            return (self, Ok(()));
         }
         let mut written = Ok(());
         if !failed {
@@ -68,7 +63,7 @@ impl StagedFiles {
                 }
             }
         }
-        (OutputSink::Direct, written)
+        (OutputSink::DIRECT, written)
     }
 
     /// Bytes of a file, `None` if it does not exist.
