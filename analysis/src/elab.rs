@@ -32,8 +32,6 @@ mod union;
 mod value;
 mod words;
 
-pub(crate) use param::dir_text;
-
 use std::sync::Arc;
 
 use smol_str::SmolStr;

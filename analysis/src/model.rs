@@ -193,6 +193,16 @@ pub enum PortDir {
     Out,
 }
 
+impl PortDir {
+    /// The word in specifications and templates.
+    pub fn word(self) -> &'static str {
+        match self {
+            PortDir::In => "in",
+            PortDir::Out => "out",
+        }
+    }
+}
+
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Port {
     pub name: Name,
@@ -217,6 +227,17 @@ pub enum ServiceKind {
     Attribute,
     Function,
     Activity,
+}
+
+impl ServiceKind {
+    /// The word in specifications and templates.
+    pub fn word(self) -> &'static str {
+        match self {
+            ServiceKind::Attribute => "attribute",
+            ServiceKind::Function => "function",
+            ServiceKind::Activity => "activity",
+        }
+    }
 }
 
 /// A list of services in `interrupts`, `before` or `after`.
@@ -339,6 +360,16 @@ impl ParamDir {
         use ParamDir::*;
         (matches!(self, In | Inout), matches!(self, Out | Inout))
     }
+
+    /// The word in specifications and templates.
+    pub fn word(self) -> &'static str {
+        match self {
+            ParamDir::Local => "local",
+            ParamDir::In => "in",
+            ParamDir::Out => "out",
+            ParamDir::Inout => "inout",
+        }
+    }
 }
 
 /// The data that a parameter refers to.
@@ -356,6 +387,19 @@ pub enum ParamSource {
     /// An unresolved reference: its target is missing, or comes from a missing file. Its type is
     /// [`TypeKind::Unknown`].
     Opaque,
+}
+
+impl ParamSource {
+    /// The word of the template language.
+    pub fn word(self) -> &'static str {
+        match self {
+            ParamSource::Ids => "ids",
+            ParamSource::Local(_) => "local",
+            ParamSource::Port(_) => "port",
+            ParamSource::Remote(_) => "remote",
+            ParamSource::Opaque => "unknown",
+        }
+    }
 }
 
 /// One step of a path into a value.

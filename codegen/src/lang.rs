@@ -23,9 +23,7 @@ use dotgen_analysis::model::{
 };
 use dotgen_analysis::release::Change;
 
-pub use kind::{
-    dir_word, label_text, length_of, scope_word, service_word, source_word, value_text,
-};
+pub use kind::{label_text, length_of, scope_word, value_text};
 pub use prototypes::prototypes;
 
 /// The calls of a port, in the order in which they are declared.
@@ -499,7 +497,7 @@ impl<'a> Mapper<'a> {
             TypeKind::PauseEvent => "pause",
             TypeKind::Remote { component, remote } => {
                 let remote = &self.spec.components[*component as usize].remotes[*remote as usize];
-                service_word(remote.kind)
+                remote.kind.word()
             }
             _ => return self.places.place(known_type.src, Anchor::First),
         };

@@ -216,10 +216,7 @@ fn summary(part: &Part, options: &Options, lines: &mut Vec<Line>) {
 fn everything(part: &Part, lines: &mut Vec<Line>) {
     let component = part.component;
     for port in &component.ports {
-        let dir = match port.dir {
-            PortDir::In => "in",
-            PortDir::Out => "out",
-        };
+        let dir = port.dir.word();
         let data = type_name(part.spec, port.data);
         let text = format!("{dir} {}: {}", port.name, data.trim_start_matches("::"));
         lines.push(Line::new(LineStyle::Detail, text).at(origin(part, port.src)));

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use dotgen_analysis::model::{Component, PortDir, Service, ServiceKind, Spec, TypeId, TypeKind};
+use dotgen_analysis::model::{Component, PortDir, Service, Spec, TypeId, TypeKind};
 use dotgen_codegen::codels::schema;
 use dotgen_codegen::codels::value::{Values, is_input, is_output};
 use dotgen_runtime::hosts::RequestReply;
@@ -50,11 +50,7 @@ pub(super) fn describe(known: &KnownComponent) -> Value {
         let outputs = service.params.iter().filter(|param| is_output(param));
         json!({
             "name": service.name.as_str(),
-            "kind": match service.kind {
-                ServiceKind::Attribute => "attribute",
-                ServiceKind::Function => "function",
-                ServiceKind::Activity => "activity",
-            },
+            "kind": service.kind.word(),
             "doc": service.doc,
             "inputs": inputs.collect::<Vec<_>>(),
             "outputs": outputs.map(|output| output.name.as_str()).collect::<Vec<_>>(),

@@ -5,9 +5,7 @@ use std::collections::BTreeMap;
 use dotgen_analysis::host::UnitResult;
 use dotgen_analysis::model::mutex::{self, Excluded};
 use dotgen_analysis::model::system::parts;
-use dotgen_analysis::model::{
-    CodelRef, Component, ComponentKind, Owner, ParamDir, ParamSource, Spec, Src,
-};
+use dotgen_analysis::model::{CodelRef, Component, ComponentKind, Owner, Spec, Src};
 use dotgen_analysis::quantity;
 use dotgen_analysis::source_map::{Location, Locations};
 use dotgen_diagram::graph::{Graph, Origin};
@@ -323,19 +321,8 @@ fn codel_details(spec: &Spec, component: Option<&str>, src: Src) -> Option<Value
         .params
         .iter()
         .map(|param| {
-            let direction = match param.dir {
-                ParamDir::Local => "local",
-                ParamDir::In => "in",
-                ParamDir::Out => "out",
-                ParamDir::Inout => "inout",
-            };
-            let source = match param.source {
-                ParamSource::Ids => "ids",
-                ParamSource::Local(_) => "local",
-                ParamSource::Port(_) => "port",
-                ParamSource::Remote(_) => "remote",
-                ParamSource::Opaque => "unknown",
-            };
+            let direction = param.dir.word();
+            let source = param.source.word();
             format!("{direction} {source} {}", param.name)
         })
         .collect();

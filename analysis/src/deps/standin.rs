@@ -11,7 +11,6 @@ use std::ops::Range;
 use camino::{Utf8Path, Utf8PathBuf};
 
 use super::{Dependencies, Include, UnknownName};
-use crate::elab::dir_text;
 use crate::model::{
     Gap, Missing, Name, Param, ParamDir, PathElement, Service, ServiceKind, SourceKind, Spec,
     TypeKind,
@@ -206,7 +205,7 @@ fn params(spec: &Spec, service: &Service) -> Option<Vec<String>> {
             }
             _ => return None,
         };
-        let dir = dir_text(param.dir);
+        let dir = param.dir.word();
         Some(format!("{dir} {named} {}", param.name))
     };
     declared.map(one).collect()

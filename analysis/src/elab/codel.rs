@@ -225,7 +225,7 @@ impl<'a> Elaborator<'a> {
         let params: Vec<String> = signature
             .iter()
             .map(|(dir, ty)| {
-                let dir = super::param::dir_text(*dir);
+                let dir = dir.word();
                 format!("{dir} {}", types::display(&self.spec, *ty))
             })
             .collect();

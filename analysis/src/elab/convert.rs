@@ -28,34 +28,14 @@ pub(crate) fn holds(spec: &Spec, ty: TypeId, value: &Value) -> bool {
 pub(super) fn convert(spec: &Spec, value: &Const, ty: TypeId) -> Result<Value, ConversionError> {
     let last = types::resolve_aliases(spec, ty);
     let kind = &spec.ty(last).kind;
-    let integer = |min: i128, max: i128, signed: bool| {
-        let value = match value {
-            // The complement of an unsigned number has the width of its type.
-            Const::Int { value, signed: false } if *value < 0 && !signed => value & max,
-            Const::Int { value, .. } => *value,
-            Const::Float(_) => value.integral().ok_or(ConversionError::Kind)?,
-            _ => return Err(ConversionError::Kind),
-        };
-        if value < 0 && !signed {
-            return Err(ConversionError::Kind);
-        }
-        if value < min || value > max {
-            return Err(ConversionError::Range);
-        }
-        Ok(if signed { Value::Int(value as i64) } else { Value::Uint(value as u64) })
-    };
+    if let Some((bits, signed)) = kind.integer() {
+        return convert_integer(value, bits, signed);
+    }
     match kind {
         TypeKind::Boolean => match value {
             Const::Bool(flag) => Ok(Value::Bool(*flag)),
             _ => Err(ConversionError::Kind),
         },
-        TypeKind::Octet => integer(0, u8::MAX.into(), false),
-        TypeKind::UnsignedShort => integer(0, u16::MAX.into(), false),
-        TypeKind::UnsignedLong => integer(0, u32::MAX.into(), false),
-        TypeKind::UnsignedLongLong => integer(0, u64::MAX.into(), false),
-        TypeKind::Short => integer(i16::MIN.into(), i16::MAX.into(), true),
-        TypeKind::Long => integer(i32::MIN.into(), i32::MAX.into(), true),
-        TypeKind::LongLong => integer(i64::MIN.into(), i64::MAX.into(), true),
         TypeKind::Float | TypeKind::Double => {
             value.number().map(Value::Float).ok_or(ConversionError::Kind)
         }
@@ -79,6 +59,25 @@ pub(super) fn convert(spec: &Spec, value: &Const, ty: TypeId) -> Result<Value, C
         },
         _ => Err(ConversionError::Type),
     }
+}
+
+fn convert_integer(value: &Const, bits: u32, signed: bool) -> Result<Value, ConversionError> {
+    let max = (1i128 << (bits - u32::from(signed))) - 1;
+    let min = if signed { -max - 1 } else { 0 };
+    let value = match value {
+        // The complement of an unsigned number has the width of its type.
+        Const::Int { value, signed: false } if *value < 0 && !signed => value & max,
+        Const::Int { value, .. } => *value,
+        Const::Float(_) => value.integral().ok_or(ConversionError::Kind)?,
+        _ => return Err(ConversionError::Kind),
+    };
+    if value < 0 && !signed {
+        return Err(ConversionError::Kind);
+    }
+    if value < min || value > max {
+        return Err(ConversionError::Range);
+    }
+    Ok(if signed { Value::Int(value as i64) } else { Value::Uint(value as u64) })
 }
 
 /// The error for a value that does not convert.

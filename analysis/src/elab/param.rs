@@ -14,16 +14,6 @@ use crate::{
 };
 use smol_str::SmolStr;
 
-/// The word for a direction.
-pub(crate) fn dir_text(dir: ParamDir) -> &'static str {
-    match dir {
-        ParamDir::In => "in",
-        ParamDir::Out => "out",
-        ParamDir::Inout => "inout",
-        ParamDir::Local => "local",
-    }
-}
-
 /// The access of a codel to the data of a parameter.
 fn codel_access(dir: ParamDir) -> AccessKind {
     match dir {
@@ -228,7 +218,7 @@ impl<'a> Elaborator<'a> {
                         one: a.describe(),
                         other: b.describe(),
                         source: b.keyword(),
-                        dir: dir_text(written.decl.dir),
+                        dir: written.decl.dir.word(),
                     },
                     written.at,
                 );

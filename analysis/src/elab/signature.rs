@@ -1,9 +1,7 @@
 //! The parameters and local variables of services, and the comparison of repeated declarations (language
 //! reference, section 11.4).
 
-use super::{
-    AccessKind, DefId, DefKind, Entity, context::Elaborator, param::dir_text, types, words,
-};
+use super::{AccessKind, DefId, DefKind, Entity, context::Elaborator, types, words};
 use crate::finding::role::Role;
 use crate::{
     finding::{Finding, services::DeclarationProblem},
@@ -227,8 +225,8 @@ impl<'a> Elaborator<'a> {
         if old.dir != new.dir {
             return Some(DeclarationProblem::OtherDirection {
                 name,
-                old: dir_text(old.dir),
-                new: dir_text(new.dir),
+                old: old.dir.word(),
+                new: new.dir.word(),
             });
         }
         (!types::equal(&self.spec, old.ty, new.ty)).then(|| DeclarationProblem::OtherType {

@@ -8,7 +8,6 @@ use super::{
     context::{Context, FrameKind, Surroundings, Word, surroundings},
     render,
 };
-use crate::elab::dir_text;
 use crate::model::{Codel, Param, ParamDir, ParamSource, Spec};
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -153,7 +152,7 @@ fn known_codel<'s>(spec: &'s Spec, name: &Word) -> Option<&'s Codel> {
 }
 
 fn parameter(spec: &Spec, param: &Param, source: bool) -> String {
-    let dir = dir_text(param.dir);
+    let dir = param.dir.word();
     let source = match param.source {
         _ if !source => "",
         ParamSource::Ids => "ids ",

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Component, Name, Owner, ServiceKind};
+use super::{Component, Name, Owner};
 
 /// The task or service that a codel belongs to.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -20,12 +20,7 @@ impl OwnerName {
             Owner::Task(task) => ("task", &component.tasks[task as usize].name),
             Owner::Service(index) => {
                 let service = &component.services[index as usize];
-                let kind = match service.kind {
-                    ServiceKind::Attribute => "attribute",
-                    ServiceKind::Function => "function",
-                    ServiceKind::Activity => "activity",
-                };
-                (kind, &service.name)
+                (service.kind.word(), &service.name)
             }
         };
         OwnerName { kind, name: name.clone() }

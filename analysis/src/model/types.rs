@@ -46,6 +46,20 @@ pub enum ScopeKind {
 }
 
 impl TypeKind {
+    /// The number of bits of an integer type, and true if it is signed. A `char` is not an integer here.
+    pub fn integer(&self) -> Option<(u32, bool)> {
+        Some(match self {
+            TypeKind::Octet => (8, false),
+            TypeKind::Short => (16, true),
+            TypeKind::UnsignedShort => (16, false),
+            TypeKind::Long => (32, true),
+            TypeKind::UnsignedLong => (32, false),
+            TypeKind::LongLong => (64, true),
+            TypeKind::UnsignedLongLong => (64, false),
+            _ => return None,
+        })
+    }
+
     /// The word for the kind: the IDL name of base types, and the template language's word for others.
     pub fn word(&self) -> &'static str {
         match self {

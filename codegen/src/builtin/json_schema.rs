@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 
-use dotgen_analysis::model::{Component, Param, ParamDir, ServiceKind, Spec, TypeId, TypeKind};
+use dotgen_analysis::model::{Component, Param, ParamDir, Spec, TypeId, TypeKind};
 use serde_json::{Map, Value, json};
 
 pub(super) fn schema(spec: &Spec, component: &Component) -> Value {
@@ -36,11 +36,7 @@ pub(super) fn schema(spec: &Spec, component: &Component) -> Value {
         if !throws.is_empty() {
             parts.insert("exception".into(), json!({ "oneOf": throws }));
         }
-        let kind = match service.kind {
-            ServiceKind::Attribute => "attribute",
-            ServiceKind::Function => "function",
-            ServiceKind::Activity => "activity",
-        };
+        let kind = service.kind.word();
         let mut value = json!({ "title": kind, "type": "object", "properties": parts,
                              "additionalProperties": false });
         describe(&mut value, service.doc.as_deref());
@@ -141,19 +137,14 @@ impl Types<'_> {
     }
 
     fn body(&mut self, id: TypeId) -> Value {
-        let integer =
-            |low: i64, high: u64| json!({ "type": "integer", "minimum": low, "maximum": high });
         let spec = self.spec;
-        match &spec.ty(id).kind {
+        let kind = &spec.ty(id).kind;
+        if let Some((bits, signed)) = kind.integer() {
+            return crate::codels::schema::integer(bits, signed);
+        }
+        match kind {
             TypeKind::Boolean => json!({ "type": "boolean" }),
-            TypeKind::Octet => integer(0, u8::MAX.into()),
             TypeKind::Char => json!({ "type": "string", "minLength": 1, "maxLength": 1 }),
-            TypeKind::Short => integer(i16::MIN.into(), i16::MAX as u64),
-            TypeKind::UnsignedShort => integer(0, u16::MAX.into()),
-            TypeKind::Long => integer(i32::MIN.into(), i32::MAX as u64),
-            TypeKind::UnsignedLong => integer(0, u32::MAX.into()),
-            TypeKind::LongLong => integer(i64::MIN, i64::MAX as u64),
-            TypeKind::UnsignedLongLong => integer(0, u64::MAX),
             TypeKind::Float | TypeKind::Double => json!({ "type": ["number", "null"] }),
             TypeKind::String { bound: None } => json!({ "type": "string" }),
             // The C type of that length ends with a zero.

@@ -6,8 +6,8 @@
 //! normalization.
 
 use dotgen_analysis::model::{
-    CodelKind, CodelRef, Component, Name, Owner, Port, Service, ServiceKind, Spec, Src, State,
-    TypeId, TypeKind, UnknownDependencies,
+    CodelKind, CodelRef, Component, Name, Owner, Port, Service, Spec, Src, State, TypeId, TypeKind,
+    UnknownDependencies,
 };
 use dotgen_analysis::release::Change;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -427,11 +427,7 @@ pub fn owner_words(component: &Component, owner: Owner) -> (&'static str, &Name)
         Owner::Task(task) => ("task", &component.tasks[task as usize].name),
         Owner::Service(service) => {
             let service = &component.services[service as usize];
-            let kind = match service.kind {
-                ServiceKind::Attribute => "attribute",
-                ServiceKind::Function => "function",
-                ServiceKind::Activity => "activity",
-            };
+            let kind = service.kind.word();
             (kind, &service.name)
         }
     }

@@ -83,30 +83,32 @@ fn schema(spec: &Spec, ty: TypeId, around: &mut Vec<TypeId>) -> Value {
     out
 }
 
+/// The schema of an integer with this number of bits.
+pub(crate) fn integer(bits: u32, signed: bool) -> Value {
+    let least = if signed { i64::MIN >> (64 - bits) } else { 0 };
+    let greatest = u64::MAX >> (64 - bits + u32::from(signed));
+    json!({"type": "integer", "minimum": least, "maximum": greatest})
+}
+
 fn of_kind(spec: &Spec, ty: TypeId, around: &mut Vec<TypeId>) -> Value {
     let name = |ty: TypeId| {
         let name = spec.ty(ty).name.as_ref();
         name.map(ToString::to_string).unwrap_or_default()
     };
-    let whole = |least: i64, greatest: u64| json!({"type": "integer", "minimum": least, "maximum": greatest});
-    let signed = |bits: u32| whole(-(1i64 << (bits - 1)), (1u64 << (bits - 1)) - 1);
-    match &spec.ty(ty).kind {
+    let kind = &spec.ty(ty).kind;
+    if let Some((bits, signed)) = kind.integer() {
+        return integer(bits, signed);
+    }
+    match kind {
         TypeKind::Boolean => json!({"type": "boolean"}),
-        TypeKind::Octet => whole(0, u8::MAX.into()),
-        TypeKind::Char => signed(8),
-        TypeKind::Short => signed(16),
-        TypeKind::UnsignedShort => whole(0, u16::MAX.into()),
-        TypeKind::Long => signed(32),
-        TypeKind::UnsignedLong => whole(0, u32::MAX.into()),
-        TypeKind::LongLong => whole(i64::MIN, i64::MAX as u64),
-        TypeKind::UnsignedLongLong => whole(0, u64::MAX),
+        TypeKind::Char => integer(8, true),
         // A float that is NaN or infinite is `null`.
         TypeKind::Float | TypeKind::Double => json!({"type": ["number", "null"]}),
         TypeKind::Enum { enumerators } => {
             let names: Vec<String> =
                 enumerators.iter().map(|&enumerator| name(enumerator)).collect();
             // A number that is not an enumerator remains a number.
-            json!({"anyOf": [{"type": "string", "enum": names}, whole(0, u32::MAX.into())]})
+            json!({"anyOf": [{"type": "string", "enum": names}, integer(32, false)]})
         }
         TypeKind::String { .. } => json!({"type": "string"}),
         TypeKind::Array { element, length } => {

@@ -1,8 +1,6 @@
 //! The words of the template language for kinds, directions, sources and constants.
 
-use dotgen_analysis::model::{
-    Label, ParamDir, ParamSource, ScopeKind, ServiceKind, Spec, TypeKind, Value,
-};
+use dotgen_analysis::model::{Label, ScopeKind, Spec, TypeKind, Value};
 
 use super::text::format_g;
 
@@ -21,35 +19,6 @@ pub fn scope_word(kind: ScopeKind) -> &'static str {
         ScopeKind::Struct => "struct",
         ScopeKind::Union => "union",
         ScopeKind::Exception => "exception",
-    }
-}
-
-/// Direction of a parameter.
-pub fn dir_word(dir: ParamDir) -> &'static str {
-    match dir {
-        ParamDir::Local => "local",
-        ParamDir::In => "in",
-        ParamDir::Out => "out",
-        ParamDir::Inout => "inout",
-    }
-}
-
-/// Source of a parameter.
-pub fn source_word(source: ParamSource) -> &'static str {
-    match source {
-        ParamSource::Ids => "ids",
-        ParamSource::Local(_) => "local",
-        ParamSource::Port(_) => "port",
-        ParamSource::Remote(_) => "remote",
-        ParamSource::Opaque => "unknown",
-    }
-}
-
-pub fn service_word(kind: ServiceKind) -> &'static str {
-    match kind {
-        ServiceKind::Attribute => "attribute",
-        ServiceKind::Function => "function",
-        ServiceKind::Activity => "activity",
     }
 }
 

@@ -4,8 +4,7 @@
 //! Tcl side caches pure answers.
 
 use dotgen_analysis::model::{
-    CodelKind, CodelRef, ComponentKind, Owner, Param, ParamDir, ParamSource, PortDir, ServiceList,
-    Spec, Src, TypeId,
+    CodelKind, CodelRef, ComponentKind, Owner, Param, ServiceList, Spec, Src, TypeId,
 };
 
 use dotgen_analysis::release::Change;
@@ -266,13 +265,6 @@ pub(crate) fn class(spec: &Spec, object: &Object) -> &'static str {
     }
 }
 
-fn port_dir(dir: PortDir) -> &'static str {
-    match dir {
-        PortDir::In => "in",
-        PortDir::Out => "out",
-    }
-}
-
 fn codel_kind_word(kind: CodelKind) -> &'static str {
     match kind {
         CodelKind::Validate => "validate",
@@ -284,23 +276,7 @@ fn codel_kind_word(kind: CodelKind) -> &'static str {
 const CODEL_KINDS: &[&str] = &["validate", "simple", "fsm"];
 
 fn dir_matches(param: &Param, word: &str) -> bool {
-    matches!(
-        (param.dir, word),
-        (ParamDir::Local, "local")
-            | (ParamDir::In, "in")
-            | (ParamDir::Out, "out")
-            | (ParamDir::Inout, "inout")
-    )
-}
-
-fn source_matches(param: &Param, word: &str) -> bool {
-    matches!(
-        (param.source, word),
-        (ParamSource::Ids, "ids")
-            | (ParamSource::Local(_), "local")
-            | (ParamSource::Port(_), "port")
-            | (ParamSource::Remote(_), "remote")
-    )
+    param.dir.word() == word
 }
 
 fn find(words: &[&str], wanted: &str, what: &str) -> Result<usize, Failure> {

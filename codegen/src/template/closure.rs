@@ -11,7 +11,7 @@ use super::Failure;
 use super::model::{Model, port_kind};
 use super::object::{Lookup, Object, ParamRef};
 use super::throws::{remote_throws, service_throws, task_throws};
-use crate::lang::{dir_word, length_of, service_word};
+use crate::lang::length_of;
 
 /// Returns true for objects to include.
 pub(crate) type Filter<'f> = dyn FnMut(&Object) -> Result<bool, Failure> + 'f;
@@ -222,7 +222,7 @@ impl Chunks {
             if !filter(&Object::Service(index, at as u32))? {
                 continue;
             }
-            self.push(service_word(service.kind));
+            self.push(service.kind.word());
             self.push(&service.name);
             self.service(spec, index, at as u32, filter)?;
         }
@@ -273,7 +273,7 @@ impl Chunks {
                 continue;
             }
             let param = spec.param(component, at);
-            self.push(dir_word(param.dir));
+            self.push(param.dir.word());
             self.type_(spec, param.ty, filter, DEPTH)?;
         }
         Ok(())

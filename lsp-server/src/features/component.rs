@@ -214,10 +214,7 @@ pub(crate) fn interfaces(
                 continue;
             }
             let ports = component.ports.iter().map(|port| {
-                let dir = match port.dir {
-                    PortDir::In => "in",
-                    PortDir::Out => "out",
-                };
+                let dir = port.dir.word();
                 format!("{dir} {}", port.name)
             });
             out.push(InterfaceInfo {

@@ -2,9 +2,7 @@
 
 use std::ops::Range;
 
-use dotgen_analysis::model::{
-    Codel, CodelKind, Component, Owner, PortDir, Quantity, ServiceKind, Src,
-};
+use dotgen_analysis::model::{Codel, CodelKind, Component, Owner, Quantity, Src};
 
 use super::ast::Scenario;
 use super::lexer::{Kind, lex};
@@ -67,11 +65,7 @@ impl Names<'_> {
             }
             &Target::Service(c, s) => {
                 let service = &component(c).services[s as usize];
-                let kind = match service.kind {
-                    ServiceKind::Attribute => "attribute",
-                    ServiceKind::Function => "function",
-                    ServiceKind::Activity => "activity",
-                };
+                let kind = service.kind.word();
                 let tasks = &component(c).tasks;
                 let meaning = match service.task.and_then(|t| tasks.get(t as usize)) {
                     Some(task) => format!("runs in task `{}`", task.name),
@@ -81,10 +75,7 @@ impl Names<'_> {
             }
             &Target::Port(c, p) => {
                 let port = &component(c).ports[p as usize];
-                let dir = match port.dir {
-                    PortDir::In => "in",
-                    PortDir::Out => "out",
-                };
+                let dir = port.dir.word();
                 let form = format!("port {dir} {}.{}", component(c).name, port.name);
                 (form, "an output port is one lock for all that use it".to_owned())
             }

@@ -4,7 +4,7 @@ use dotgen_syntax::ast::{self, AstNode};
 
 use super::{Assist, AssistKind, Cx};
 use crate::{
-    elab::{DefKind, dir_text},
+    elab::DefKind,
     ide::{
         render,
         resolve::{Target, targets_at},
@@ -62,10 +62,8 @@ fn completion(spec: &Spec, service: &Service, task: Option<&str>) -> Option<Stri
     let params: Option<Vec<String>> =
         declared.iter().map(|param| declaration(spec, param)).collect();
     let params = params?.join(", ");
-    let uses: Vec<String> = declared
-        .iter()
-        .map(|param| format!("local {} {}", dir_text(param.dir), param.name))
-        .collect();
+    let uses: Vec<String> =
+        declared.iter().map(|param| format!("local {} {}", param.dir.word(), param.name)).collect();
     let uses = uses.join(", ");
     match service.kind {
         ServiceKind::Attribute => None,
@@ -112,7 +110,7 @@ fn declaration(spec: &Spec, param: &Param) -> Option<String> {
         }
     }
     let ty = render::type_text(spec, ty);
-    Some(format!("{} {ty} {}{dimensions}", dir_text(param.dir), param.name))
+    Some(format!("{} {ty} {}{dimensions}", param.dir.word(), param.name))
 }
 
 #[cfg(test)]

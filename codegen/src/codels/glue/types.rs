@@ -103,18 +103,9 @@ impl Glue<'_, '_> {
     /// Returns true if values of a type are copied byte by byte: numbers, and arrays of numbers.
     fn is_plain(&self, ty: TypeId) -> bool {
         match self.kind(ty) {
-            TypeKind::Octet
-            | TypeKind::Char
-            | TypeKind::Short
-            | TypeKind::UnsignedShort
-            | TypeKind::Long
-            | TypeKind::UnsignedLong
-            | TypeKind::LongLong
-            | TypeKind::UnsignedLongLong
-            | TypeKind::Float
-            | TypeKind::Double => true,
+            TypeKind::Char | TypeKind::Float | TypeKind::Double => true,
             TypeKind::Array { element, .. } => self.is_plain(*element),
-            _ => false,
+            kind => kind.integer().is_some(),
         }
     }
 

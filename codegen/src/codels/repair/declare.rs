@@ -1,7 +1,7 @@
 //! Declarations of codels for functions.
 
 use camino::Utf8Path;
-use dotgen_analysis::model::{CodelKind, CodelRef, Owner, PortDir, ServiceKind, TypeKind};
+use dotgen_analysis::model::{CodelKind, CodelRef, Owner, ServiceKind, TypeKind};
 
 use super::Repairs;
 use super::specification::parameter_list;
@@ -177,10 +177,7 @@ impl Repairs<'_> {
         if let Some(port) =
             component.ports.iter().find(|port| self.expected.spelling(port.ty) == base)
         {
-            let dir = match port.dir {
-                PortDir::In => "in",
-                PortDir::Out => "out",
-            };
+            let dir = port.dir.word();
             return Some(named(&format!("port {dir}"), &port.name, name));
         }
         if let Some(remote) =

@@ -2,7 +2,7 @@
 
 use dotgen_analysis::model::{CodelRef, Owner};
 
-use super::{Answer, AnswerResult, Model, dir_matches, method, source_matches, wrong_args};
+use super::{Answer, AnswerResult, Model, method, wrong_args};
 use crate::lang::Anchor;
 use crate::template::mutex::codel_mutex;
 use crate::template::object::{Lookup, Object, ParamRef};
@@ -76,8 +76,8 @@ pub(super) fn call(
             arguments,
             FILTERS,
             |param, word| match word {
-                "in" | "out" | "inout" => dir_matches(param, word),
-                _ => source_matches(param, word),
+                "in" | "out" | "inout" => param.dir.word() == word,
+                _ => param.source.word() == word,
             },
         )?),
         "yields" => Some(model.type_list(codel.yields.iter().map(|state| state.event))),

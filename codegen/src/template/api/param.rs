@@ -3,7 +3,7 @@
 use dotgen_analysis::model::{InitValue, Initializer, ParamSource, PathElement, TypeId, TypeKind};
 
 use super::{Answer, AnswerResult, Model, method, undefined, wrong_args};
-use crate::lang::{Anchor, dir_word, inner, param_types, source_word, value_text};
+use crate::lang::{Anchor, inner, param_types, value_text};
 use crate::template::Failure;
 use crate::template::object::{Lookup, Object, ParamRef};
 
@@ -47,8 +47,8 @@ pub(super) fn param(
     let object = matches!(declaration.source, ParamSource::Port(_) | ParamSource::Remote(_));
     let answer = match method {
         "name" => Some(Answer::pure(declaration.name.to_string())),
-        "src" => Some(Answer::pure(source_word(declaration.source).into())),
-        "direction" => Some(Answer::pure(dir_word(declaration.dir).into())),
+        "src" => Some(Answer::pure(declaration.source.word().into())),
+        "direction" => Some(Answer::pure(declaration.dir.word().into())),
         "member" if object || declaration.path.is_empty() => Some(Answer::pure(String::new())),
         "member" => {
             let text = model.mapper().member_path(base, &declaration.path)?;

@@ -6,7 +6,7 @@ use super::{
     Answer, AnswerResult, CODEL_KINDS, Model, codel_kind_word, dir_matches, find, method, text,
     undefined, wrong_args,
 };
-use crate::lang::{Anchor, service_word};
+use crate::lang::Anchor;
 use crate::template::closure;
 use crate::template::mutex::service_mutex;
 use crate::template::object::{Lookup, Object, ParamRef};
@@ -83,7 +83,7 @@ pub(super) fn service(
     };
     let answer = match method {
         "name" => Some(Answer::pure(service.name.to_string())),
-        "kind" => Some(Answer::pure(service_word(service.kind).into())),
+        "kind" => Some(Answer::pure(service.kind.word().into())),
         "component" => Some(model.handle(Object::Component(component))),
         "doc" => text(&service.doc),
         "task" => service.task.map(|task| model.handle(Object::Task(component, task))),
@@ -120,9 +120,7 @@ pub(super) fn service(
             let digest = closure::digest(model, &object, &mut |_| Ok(true))?;
             Some(Answer::pure(digest))
         }
-        "loc" => {
-            model.place_of(service.src, Anchor::Keyword(service_word(service.kind)), arguments)?
-        }
+        "loc" => model.place_of(service.src, Anchor::Keyword(service.kind.word()), arguments)?,
         _ => Some(Answer::pure("service".into())),
     };
     answer.ok_or_else(|| undefined(method))
@@ -142,7 +140,7 @@ pub(super) fn remote(
     }
     let answer = match method {
         "name" => Some(Answer::pure(remote.name.to_string())),
-        "kind" => Some(Answer::pure(service_word(remote.kind).into())),
+        "kind" => Some(Answer::pure(remote.kind.word().into())),
         "component" => Some(model.handle(Object::Component(component))),
         "type" => Some(model.type_handle(remote.ty)),
         "parameters" => Some(model.params(
@@ -162,7 +160,7 @@ pub(super) fn remote(
             let digest = closure::digest(model, &object, &mut |_| Ok(true))?;
             Some(Answer::pure(digest))
         }
-        "loc" => model.location(remote.src, Anchor::Keyword(service_word(remote.kind))),
+        "loc" => model.location(remote.src, Anchor::Keyword(remote.kind.word())),
         _ => Some(Answer::pure("remote".into())),
     };
     answer.ok_or_else(|| undefined(method))

@@ -2,9 +2,7 @@
 
 use dotgen_analysis::model::{CodelKind, CodelRef, Owner};
 
-use super::{
-    Answer, AnswerResult, Model, method, port_dir, port_kind, text, undefined, wrong_args,
-};
+use super::{Answer, AnswerResult, Model, method, port_kind, text, undefined, wrong_args};
 use crate::lang::Anchor;
 use crate::template::object::{Lookup, Object};
 use crate::template::throws::task_throws;
@@ -99,7 +97,7 @@ pub(super) fn port(
     }
     let answer = match method {
         "name" => Some(Answer::pure(port.name.to_string())),
-        "dir" => Some(Answer::pure(port_dir(port.dir).into())),
+        "dir" => Some(Answer::pure(port.dir.word().into())),
         "kind" => Some(Answer::pure(port_kind(port).into())),
         "component" => Some(model.handle(Object::Component(component))),
         "type" => Some(model.type_handle(port.ty)),

@@ -107,18 +107,8 @@ impl Names<'_, '_> {
 
     fn same_type(&self, a: TypeId, b: TypeId) -> bool {
         let number = |ty: TypeId| {
-            matches!(
-                self.spec().ty(ty).kind,
-                TypeKind::Octet
-                    | TypeKind::Short
-                    | TypeKind::UnsignedShort
-                    | TypeKind::Long
-                    | TypeKind::UnsignedLong
-                    | TypeKind::LongLong
-                    | TypeKind::UnsignedLongLong
-                    | TypeKind::Float
-                    | TypeKind::Double
-            )
+            let kind = &self.spec().ty(ty).kind;
+            kind.integer().is_some() || matches!(kind, TypeKind::Float | TypeKind::Double)
         };
         a == b || number(a) && number(b) || self.spec().ty(a).kind == self.spec().ty(b).kind
     }
