@@ -25,6 +25,7 @@ use super::mentions::declaration;
 use super::specification::{code_action, completion, references, rename};
 use super::verification::problems;
 use crate::protocol::convert::Lines;
+use crate::protocol::convert::position::touches;
 use crate::protocol::convert::symbol::{Symbol, response};
 use crate::protocol::types::{self, *};
 use crate::protocol::user_result::UserResult;
@@ -159,7 +160,7 @@ fn actions(
     let actions = judged_actions::offers(snapshot, &subject.path, |offers| {
         let mut actions = super::verification::actions(snapshot, subject, &range, offers)?;
         for finding in diagnostics(snapshot, &subject.path)? {
-            if code_action::touches(&finding.range, &range) {
+            if touches(&finding.range, &range) {
                 for fix in &finding.fixes {
                     let action = code_action::without_edit(snapshot, &finding, fix, true)?;
                     // The judge knows only findings about specifications and codels.

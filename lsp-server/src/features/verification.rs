@@ -23,7 +23,7 @@ use serde_json::{Value, json};
 
 use crate::features::codels::judged_actions::JudgedActions;
 use crate::features::commands::SHOW_VERIFICATION;
-use crate::features::specification::code_action::touches;
+use crate::protocol::convert::position::touches;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_views::verification::{Problem, problem};

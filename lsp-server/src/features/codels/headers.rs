@@ -17,8 +17,8 @@ pub const FOLDER: &str = ".dotgen";
 /// Text of the `.gitignore` in that folder: every file in it can be generated again.
 pub const IGNORED: &str = "*\n";
 
-/// The headers with their folder, or the errors of the specification. The `compile_flags.txt` of the folder is
-/// for clangd's `--compile-commands-dir`.
+/// The headers with their folder, or the errors of the specification. The `compile_flags.txt` of the folder
+/// is for clangd's `--compile-commands-dir`.
 pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,

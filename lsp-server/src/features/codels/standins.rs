@@ -15,7 +15,7 @@ use super::headers::{FOLDER, IGNORED};
 use crate::features::codels::Disk;
 use crate::features::codels::judged_actions::JudgedActions;
 use crate::features::convert::diagnostic;
-use crate::features::specification::code_action::touches;
+use crate::protocol::convert::position::touches;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 

@@ -9,8 +9,8 @@ use dotgen_timing::scn::lexer::{Kind, lex};
 use dotgen_timing::scn::selection;
 
 use crate::features::convert::edit::text_edits;
-use crate::features::specification::code_action::touches;
 use crate::features::specification::{folding_range, selection_range};
+use crate::protocol::convert::position::touches;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Answer, Snapshot, Stop, Subject};
 

@@ -8,8 +8,8 @@ use dotgen_timing::scn::words;
 use rustc_hash::FxHashMap;
 
 use super::read;
-use crate::features::specification::code_action::touches;
 use crate::features::specification::semantic_tokens;
+use crate::protocol::convert::position::touches;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Answer, Snapshot, Stop, Subject};
 

@@ -11,6 +11,7 @@ use crate::features::convert::diagnostic;
 use crate::features::convert::edit::{Review, edit_of, is_wanted, with_edit};
 use crate::features::project_settings;
 use crate::features::specification::search_paths;
+use crate::protocol::convert::position::touches;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Answer, Snapshot, Stop, Subject};
 
@@ -146,11 +147,6 @@ fn quick_fixes(
         }
     }
     Ok(())
-}
-
-/// True if two ranges overlap or touch.
-pub(crate) fn touches(a: &std::ops::Range<usize>, b: &std::ops::Range<usize>) -> bool {
-    a.start <= b.end && b.start <= a.end
 }
 
 /// The action of a fix, if the judge accepts the edit.

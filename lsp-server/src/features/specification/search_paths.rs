@@ -10,7 +10,7 @@ use toml_edit::{Array, DocumentMut, value};
 use crate::config;
 use crate::features::convert::edit::{Review, edit_of, with_edit};
 use crate::features::project_settings::{edit, project};
-use crate::features::specification::code_action::touches;
+use crate::protocol::convert::position::touches;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_platform::files::vfs;

@@ -17,7 +17,7 @@ use dotgen_timing::report::{CheckReport, Value};
 use super::problems::about;
 use super::{has_refuting_run, place, tasks};
 use crate::config::Level;
-use crate::features::specification::code_action::touches;
+use crate::protocol::convert::position::touches;
 use crate::protocol::types::Uri;
 use crate::workspace::snapshot::Snapshot;
 use dotgen_timing::report::Verdict;

@@ -11,8 +11,8 @@ use crate::workspace::snapshot::{Snapshot, Subject};
 use dotgen_views::verification::what_if::WhatIf;
 use dotgen_views::verification::{Problem, changes};
 
-/// The remedies among changes that are edits which the judge accepts, for a viewer of the run. `whatIf` is the
-/// same change as a variation; it is `null` if a variation cannot say it.
+/// The remedies among changes that are edits which the judge accepts, for a viewer of the run. `whatIf` is
+/// the same change as a variation; it is `null` if a variation cannot say it.
 pub(super) fn of_run(
     snapshot: &Snapshot,
     subject: &Subject,

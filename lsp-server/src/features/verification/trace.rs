@@ -27,8 +27,8 @@ pub(crate) struct TraceResult {
     trace: Trace<Option<Location>>,
     /// The number of the check.
     check: usize,
-    /// The steps that may follow, if the request has `after`, and the number of steps of the trace before each
-    /// chosen step.
+    /// The steps that may follow, if the request has `after`, and the number of steps of the trace before
+    /// each chosen step.
     #[serde(skip_serializing_if = "Option::is_none")]
     next: Option<Value>,
     /// Changes that repair the check.

@@ -7,6 +7,11 @@ use dotgen_syntax::line_index::{LineCol, LineIndex, PositionEncoding};
 
 use crate::protocol::types::{Position, PositionEncodingKind, Range};
 
+/// True if two ranges of bytes overlap or touch.
+pub(crate) fn touches(a: &ByteRange<usize>, b: &ByteRange<usize>) -> bool {
+    a.start <= b.end && b.start <= a.end
+}
+
 /// Unit of `character` in a position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Encoding {
