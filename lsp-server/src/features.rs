@@ -12,6 +12,7 @@ pub(crate) mod inspect;
 pub(crate) mod language;
 pub(crate) mod mentions;
 pub(crate) mod project_settings;
+pub(crate) mod rules;
 pub(crate) mod runs;
 pub(crate) mod scenario;
 pub(crate) mod source;

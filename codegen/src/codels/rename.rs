@@ -66,6 +66,8 @@ pub enum UnchangedReason {
     Macro,
     /// In a string or character.
     String,
+    /// In a rule of `dotgen.toml` that takes members by name.
+    Rule,
     /// In a comment that is not the one of the skeleton.
     Comment,
     /// In a file of the build, as a part of another name.
@@ -79,6 +81,7 @@ impl fmt::Display for UnchangedPlace {
             UnchangedReason::Homonym => "may be the one that the sources declare",
             UnchangedReason::Macro => "in a macro",
             UnchangedReason::String => "in a string",
+            UnchangedReason::Rule => "takes a member of the old name for a field of a message",
             UnchangedReason::Comment => "in a comment",
             UnchangedReason::Build => "in a file of the build",
         };

@@ -8,14 +8,13 @@ use dotgen_analysis::host::{Cancellable, FileContent};
 use dotgen_analysis::ide::FilePosition;
 use dotgen_analysis::language::is_scenario;
 use dotgen_analysis::source_map::Locations;
-use dotgen_timing::scn;
 use dotgen_timing::scn::names::{Names, Target};
 use dotgen_timing::scn::outline::{self, EntryKind};
 
 use crate::features::verification::problems;
 use crate::workspace::snapshot::Snapshot;
 use dotgen_platform::files::vfs;
-use dotgen_views::verification::{Problem, problem};
+use dotgen_views::verification::Problem;
 
 /// The declaration of a target.
 pub(crate) fn declaration(
@@ -146,54 +145,4 @@ pub(crate) fn renames(
     let edits =
         mentions.map(|(path, range)| FileEdit { path, range, new_text: new_name.to_owned() });
     Ok(edits.collect())
-}
-
-/// The edits of `use` in scenarios for moved files or folders: pairs of old and new path.
-pub(crate) fn uses_moved(
-    snapshot: &Snapshot,
-    moves: &[(Utf8PathBuf, Utf8PathBuf)],
-) -> Cancellable<Vec<FileEdit>> {
-    let moved = |path: &Utf8Path| -> Option<Utf8PathBuf> {
-        moves.iter().find_map(|(from, to)| {
-            let rest = path.strip_prefix(from).ok()?;
-            Some(if rest.as_str().is_empty() { to.clone() } else { to.join(rest) })
-        })
-    };
-    let mut edits = Vec::new();
-    for (path, text) in texts(snapshot)? {
-        for used in problem::used(&scn::parse(&text).scenario, &path) {
-            let (new_path, new_used) = (moved(&path), moved(&used.path));
-            if new_path.is_none() && new_used.is_none() {
-                continue;
-            }
-            let folder = new_path.as_deref().unwrap_or(&path).parent().unwrap_or(&path).to_owned();
-            let target = new_used.as_deref().unwrap_or(&used.path);
-            // The range has quotes.
-            let range = used.range.start + 1..used.range.end - 1;
-            if vfs::normalize(&folder.join(&text[range.clone()])) != *target {
-                let name = relative(&folder, target);
-                edits.push(FileEdit { path: path.clone(), range, new_text: name.into_string() });
-            }
-        }
-    }
-    Ok(edits)
-}
-
-fn relative(folder: &Utf8Path, file: &Utf8Path) -> Utf8PathBuf {
-    let common = folder.components().zip(file.components()).take_while(|(a, b)| a == b).count();
-    let up = folder.components().skip(common).map(|_| "..");
-    let down = file.components().skip(common).map(|part| part.as_str());
-    up.chain(down).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::relative;
-
-    #[test]
-    fn paths_are_relative_to_the_folder_of_the_scenario() {
-        let of = |folder: &str, file: &str| relative(folder.into(), file.into()).into_string();
-        assert_eq!(of("/a/b", "/a/b/c.gen"), "c.gen");
-        assert_eq!(of("/a/b", "/a/c/d.gen"), "../c/d.gen");
-    }
 }

@@ -111,6 +111,36 @@ component pom { version \"1\"; lang \"c\";
 };
 ";
 
+const RULES: &str = "[ros2.messages.pom.frame]
+type = \"geometry_msgs/Point\"
+fields = { x = \"x\" }
+";
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_rename_edits_rules() {
+    let folder = Folder::new(&[("pom.gen", POM), ("dotgen.toml", RULES)]);
+    let mut client = Client::start(folder.params(pulling())).await;
+    let uri = folder.uri("pom.gen");
+    client.open(&uri, POM).await;
+    for ((line, character), start) in [((2, 14), (0, 19)), ((0, 29), (2, 16)), ((1, 11), (0, 15))] {
+        let mut place = document(&uri);
+        place["position"] = json!({ "line": line, "character": character });
+        place["newName"] = json!("other");
+        let edit = client.ok("textDocument/rename", place).await;
+        let edits = &edit["changes"][folder.uri("dotgen.toml")];
+        let expected = json!({ "line": start.0, "character": start.1 });
+        assert_eq!(edits[0]["range"]["start"], expected, "{edit}");
+        assert_eq!(edits.as_array().map(Vec::len), Some(1), "{edit}");
+    }
+    // A member that no rule names.
+    let mut place = document(&uri);
+    place["position"] = json!({ "line": 0, "character": 18 });
+    place["newName"] = json!("other");
+    let edit = client.ok("textDocument/rename", place).await;
+    assert_eq!(edit["changes"].as_object().map(serde_json::Map::len), Some(1), "{edit}");
+    client.finish().await;
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn scenarios_follow_renamed_specifications() {
     let scenario = "scenario s { use \"pom.gen\"; cores 1; check schedulable *; }\n";

@@ -8,7 +8,7 @@ use dotgen_codegen::codels::rename::listed;
 
 use crate::features::codels::navigation;
 use crate::features::convert::edit::{Review, edit_of, workspace_edit};
-use crate::features::mentions;
+use crate::features::{mentions, rules};
 use crate::protocol::convert::uri;
 use crate::protocol::types::*;
 use crate::protocol::user_result::UserResult;
@@ -58,6 +58,8 @@ pub(crate) fn rename_at(
     };
     let specifications = edits.clone();
     edits.extend(mentions::renames(snapshot, at, new_name)?);
+    let rules = rules::renames(snapshot, &specifications, new_name)?;
+    edits.extend(rules.edits);
     // Headers of installed packages must not be edited.
     let foreign = edits.iter().find(|edit| {
         let path = &edit.path;
@@ -85,7 +87,9 @@ pub(crate) fn rename_at(
     let label = format!("Rename to {new_name}");
     let mut folders = snapshot.folders.iter().filter(|folder| at.path.starts_with(folder));
     let folder = folders.next().cloned().unwrap_or_default();
-    let left = listed(&sources.left, MAX_LISTED, &folder);
+    let mut left = rules.left;
+    left.extend(sources.left);
+    let left = listed(&left, MAX_LISTED, &folder);
     let review = if left.is_empty() {
         Review::SeveralFiles(&label)
     } else {
@@ -105,7 +109,7 @@ pub(crate) fn files(
         .filter_map(|movement| Some((path(&movement.old_uri)?, path(&movement.new_uri)?)))
         .collect();
     let mut edits = snapshot.analysis.files_moved(&moves)?;
-    edits.extend(mentions::uses_moved(snapshot, &moves)?);
+    edits.extend(rules::uses_moved(snapshot, &moves)?);
     if edits.is_empty() {
         Ok(UserResult::default())
     } else {
