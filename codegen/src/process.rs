@@ -206,8 +206,18 @@ impl Process {
     /// # Errors
     /// The errors of the system.
     pub fn output(mut self) -> io::Result<(ExitStatus, Vec<u8>)> {
-        let (status, printed, _) = self.wait_with_outputs_unless(&|| false)?;
-        Ok((status, printed))
+        drop(self.child.stdin.take());
+        let errors = self.child.stderr.take().map(|mut errors| {
+            // A full pipe would block the program.
+            std::thread::spawn(move || io::copy(&mut errors, &mut io::sink()))
+        });
+        let mut printed = Vec::new();
+        if let Some(mut output) = self.child.stdout.take() {
+            output.read_to_end(&mut printed)?;
+        }
+        // The error output is dropped, so errors in reading it do not matter.
+        let _ = errors.map(std::thread::JoinHandle::join);
+        Ok((self.child.wait()?, printed))
     }
 
     /// Waits for the end of the program.

@@ -165,8 +165,8 @@ pub struct CheckReport {
     /// Analysis that proves the verdict or bounds the value, if no exploration does.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by: Option<Layer>,
-    /// Least bound, for `response` and `within`, in the unit of the report. With [`Soundness::LowerBound`], a
-    /// lower limit of it; with [`Soundness::UpperBound`], an upper limit.
+    /// Least bound, for `response` and `within`, in the unit of the report. If the verdict is unknown, a
+    /// lower limit of the least bound. With [`Soundness::UpperBound`], an upper limit of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<Value>,
     /// Reason, in words.

@@ -35,8 +35,7 @@ pub use crate::cancel::{Cancel, Effort, Interrupt};
 use crate::diagnostic::Diagnostic;
 use crate::diagnostic::remark::Sighting;
 use crate::explore::{Findings, Kind, Limits, Stop, Watch, explore, explore_with_reports};
-use crate::property::PropertyKind;
-use crate::report::{CheckReport, Limit, Report, Soundness, TimeUnit, Value, Verdict};
+use crate::report::{Report, Soundness, TimeUnit, Verdict};
 use crate::scn::ast::{Check, Durations, Policy, Scenario};
 use crate::scn::names::Names;
 use crate::scn::semantics::Preset;
@@ -179,7 +178,6 @@ pub(crate) fn verify_settings(
     coarse::note_unconfirmed(&unconfirmed, &mut report);
     coarse::leave_open(&whole, &mut report);
     mark_lower_bounds(&mut report);
-    answer_late_jobs(&mut report);
     report.seconds = start.elapsed().as_secs_f64();
     report
 }
@@ -190,31 +188,6 @@ fn mark_lower_bounds(report: &mut Report) {
         if check.verdict == Verdict::Unknown && check.value.is_some() {
             check.soundness = Soundness::LowerBound;
         }
-    }
-}
-
-/// Answers response times without a stated limit that are not known, but certainly at least the period: a
-/// longer job was seen, or the task misses a deadline, and the job that is under way then has lasted a
-/// period.
-fn answer_late_jobs(report: &mut Report) {
-    let has_run = |check: &&CheckReport| !check.counterexample.is_empty() && !check.rounded;
-    let missed = report.checks.iter().filter(|check| check.kind == PropertyKind::Schedulable);
-    let missed = missed.filter(|check| check.verdict == Verdict::Refuted).filter(has_run);
-    let missed: Vec<CheckReport> = missed.cloned().collect();
-    for check in &mut report.checks {
-        let is_open = check.verdict == Verdict::Unknown && check.kind == PropertyKind::Response;
-        let (true, Some(Limit::Period(period))) = (is_open, check.limit) else { continue };
-        if !check.exceeds() {
-            let same = missed.iter().find(|missed| missed.id.task == check.id.task);
-            let Some(missed) = same else { continue };
-            check.value = Some(Value::Time(period));
-            check.soundness = Soundness::LowerBound;
-            check.witness.clone_from(&missed.counterexample);
-            check.kept.clone_from(&missed.kept);
-        }
-        check.verdict = Verdict::Exceeds;
-        let why = check.gave_up.take().map_or(String::new(), |gave_up| format!(": {gave_up}"));
-        check.note = Some(format!("the longest time was not found{why}"));
     }
 }
 

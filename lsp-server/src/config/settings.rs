@@ -132,7 +132,10 @@ pub(super) fn over<T: Serialize + DeserializeOwned>(strong: T, weak: T, depth: u
         serde_json::from_value(merged)
     });
     // What was read can be written, and read again.
-    merged.unwrap_or(strong)
+    merged.unwrap_or_else(|error| {
+        tracing::error!("settings cannot be combined: {error}");
+        strong
+    })
 }
 
 fn merge(strong: &mut Value, weak: Value, depth: usize) {

@@ -157,8 +157,7 @@ async fn an_edit_of_what_a_scenario_uses_makes_its_answer_stale_at_once() {
     client.finish_ignoring(STATUS).await;
 }
 
-/// A scenario of any client with three different components, which symmetry reduction cannot merge: more
-/// states than a test can explore.
+/// A scenario of any client with three different components: more states than a test can explore.
 fn endless() -> String {
     let service = |i: usize| {
         format!(

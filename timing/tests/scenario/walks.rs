@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use dotgen_timing::report::{Event, Report, Soundness, Value, Verdict};
+use dotgen_timing::report::{Report, Soundness, Value, Verdict};
 use dotgen_timing::scn::parse;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
@@ -115,8 +115,7 @@ fn a_walk_finds_a_deadline_that_is_missed_late() {
     let scenario =
         "scenario x { semantics servers; cores 2; policy fifo; unit 1 ms; durations interval;
                     client a { delay 1 s; send arm.go; send arm.grasp; }
-                    check schedulable arm.move; check response arm.move;
-                    check response arm.move <= 20 ms; }";
+                    check schedulable arm.move; }";
     let parsed = parse(scenario);
     assert_eq!(parsed.errors, []);
     let input = SystemInput { specs: vec![&unit.spec] };
@@ -126,14 +125,5 @@ fn a_walk_finds_a_deadline_that_is_missed_late() {
     let check = &report.checks[0];
     assert_eq!(check.verdict, Verdict::Refuted);
     // The first deadline after the requests.
-    let run_end = |run: &[Event]| run.last().map(|event| event.time);
-    assert_eq!(run_end(&check.counterexample), Some(1010.0));
-    // The late job has lasted a period; that says nothing about two periods.
-    let [_, response, limited] = &report.checks[..] else { panic!("{}", report.checks.len()) };
-    assert_eq!((response.verdict, response.soundness), (Verdict::Exceeds, Soundness::LowerBound));
-    assert_eq!(
-        (response.value, run_end(&response.witness)),
-        (Some(Value::Time(11.0)), Some(1010.0))
-    );
-    assert_eq!(limited.verdict, Verdict::Unknown);
+    assert_eq!(check.counterexample.last().map(|event| event.time), Some(1010.0));
 }
