@@ -16,8 +16,9 @@ export function checks(wb) {
     ['the model of a text that is not saved is shown, and nothing is written', async () => {
       await wb.open('pump.scn');
       await wb.endOf('pump.scn', 'scenario tank {');
-      for (let i = 0; i < ' {'.length; i++) await page.keyboard.press('Backspace');
-      await wb.type('s {');
+      // A brace that is typed again would be closed, depending on what VS Code knows of the brackets by then.
+      for (let i = 0; i < ' {'.length; i++) await page.keyboard.press('ArrowLeft');
+      await wb.type('s');
       await wb.command('dotgen: Export the Formal Model…');
       await rows('RT-BIP').waitFor();
       await wb.shot('export-1-formats.png');
