@@ -18,6 +18,7 @@ pub mod system;
 pub mod turn;
 mod types;
 pub(crate) mod visit;
+mod words;
 
 use num_rational::Ratio;
 use serde::{Deserialize, Serialize};
@@ -193,16 +194,6 @@ pub enum PortDir {
     Out,
 }
 
-impl PortDir {
-    /// The word in specifications and templates.
-    pub fn word(self) -> &'static str {
-        match self {
-            PortDir::In => "in",
-            PortDir::Out => "out",
-        }
-    }
-}
-
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Port {
     pub name: Name,
@@ -227,17 +218,6 @@ pub enum ServiceKind {
     Attribute,
     Function,
     Activity,
-}
-
-impl ServiceKind {
-    /// The word in specifications and templates.
-    pub fn word(self) -> &'static str {
-        match self {
-            ServiceKind::Attribute => "attribute",
-            ServiceKind::Function => "function",
-            ServiceKind::Activity => "activity",
-        }
-    }
 }
 
 /// A list of services in `interrupts`, `before` or `after`.
@@ -352,24 +332,6 @@ pub enum ParamDir {
     In,
     Out,
     Inout,
-}
-
-impl ParamDir {
-    /// Returns true for input, and true for output.
-    pub(crate) fn flow(self) -> (bool, bool) {
-        use ParamDir::*;
-        (matches!(self, In | Inout), matches!(self, Out | Inout))
-    }
-
-    /// The word in specifications and templates.
-    pub fn word(self) -> &'static str {
-        match self {
-            ParamDir::Local => "local",
-            ParamDir::In => "in",
-            ParamDir::Out => "out",
-            ParamDir::Inout => "inout",
-        }
-    }
 }
 
 /// The data that a parameter refers to.

@@ -433,3 +433,43 @@ fn explorer_agrees_on_any_requests() {
         compare_system(seed, &system, &[], &measured(seed, &system), 1)
     });
 }
+
+/// Compares predicates, deadlocks and refused requests.
+fn compare_reachable(seed: u64) -> Option<Result<(), String>> {
+    let (system, goals) = systems::aperiodic(&mut systems::Dice::new(seed));
+    let brute = Brute { system: &system, within: &[], reach: &goals };
+    let expected = brute.explore(30_000)?;
+    let refused =
+        (system.services.keys()).filter(|&service| expected.refused[usize::from(service)]);
+    let refused: Vec<_> = refused.collect();
+    let watch = Watch { reach: goals.clone(), deadlock: true, ..Watch::default() };
+    let check = || -> Result<(), String> {
+        let found = explore(&system, &watch, limits(seed), &Cancel::default());
+        let answered = found.stopped == Some(Stop::Answered);
+        if found.stopped.is_some() && !answered {
+            return Err("gave up".to_owned());
+        }
+        let reached: Vec<bool> = found.reached.iter().map(Option::is_some).collect();
+        let deadlock = found.deadlock.is_some();
+        // After all questions are answered, the exploration stops.
+        if (&reached, deadlock) != (&expected.reached, expected.deadlock)
+            || !answered && found.refused != refused
+        {
+            return Err(format!("brute {expected:?}, found {found:?}"));
+        }
+        for (i, run) in found.reached.iter().enumerate() {
+            if let Some(run) = run
+                && !brute.replay(&run.steps, run.end)?.reached[i]
+            {
+                return Err(format!("run to {i} shows nothing: {run:?}"));
+            }
+        }
+        Ok(())
+    };
+    Some(check().map_err(|why| format!("seed {seed}: {why}\n{system:#?}\n{goals:#?}")))
+}
+
+#[test]
+fn explorer_agrees_without_periods() {
+    all_agree(first(), cases() / 4, 3, compare_reachable);
+}

@@ -130,6 +130,42 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
     (system, within)
 }
 
+/// Returns a system of any of the other kinds without periodic tasks, with some long times, and predicates
+/// that may be reached in it.
+pub(crate) fn aperiodic(dice: &mut Dice) -> (TimedSystem, Vec<Predicate>) {
+    let mut system = match dice.below(3) {
+        0 => random(dice).0,
+        1 => competing(dice),
+        _ => requests::requests(dice),
+    };
+    for task in &mut system.tasks {
+        task.period = None;
+        task.delay = 0;
+    }
+    for codel in &mut system.codels {
+        if dice.in_ten(3) {
+            codel.upper = codel.upper.saturating_add(dice.below(9));
+        }
+    }
+    // Often a fixed time, because that separates others.
+    for codel in &mut system.codels {
+        if dice.in_ten(3) && codel.upper != FOREVER {
+            codel.lower = codel.upper;
+        }
+    }
+    let goals = (0..4)
+        .map(|_| {
+            let random = predicate(&system, dice);
+            if dice.in_ten(6) {
+                Predicate::And(Box::new(random), Box::new(predicate(&system, dice)))
+            } else {
+                random
+            }
+        })
+        .collect();
+    (system, goals)
+}
+
 /// Returns a system of two to four tasks that compete for locks and cores, without services and mostly
 /// without obstacles to reductions. Ticks follow each other, because there are few different periods.
 pub(crate) fn competing(dice: &mut Dice) -> TimedSystem {

@@ -101,8 +101,6 @@ pub enum Reason {
     OneQueue,
     /// Threads preempt each other.
     Preemption,
-    /// A free core goes to the ready thread of the lowest number (`policy fair`).
-    FairCores,
     /// Codels of different components exclude each other by ports.
     LockedPorts,
     /// A client requests `abort`, `kill` or `connect`.
@@ -123,8 +121,6 @@ pub enum Reason {
     NothingToPutOff,
     /// There is no polling loop.
     NothingRests,
-    /// No watched property is one that it could answer.
-    NothingToFind,
     /// Only early events are of interest.
     InOrder,
 }
@@ -139,7 +135,6 @@ impl fmt::Display for Reason {
                 "the actions of a component meet in its lock queue or at its control task, which see their order"
             }
             Reason::Preemption => "threads of different components preempt each other",
-            Reason::FairCores => "with `policy fair`, a free core goes to the first ready thread",
             Reason::LockedPorts => "components lock each other's ports",
             Reason::Builtins => "a client asks for `abort`, `kill` or `connect`",
             Reason::LocksInOrder => "locks are given in order of arrival",
@@ -154,7 +149,6 @@ impl fmt::Display for Reason {
                 "whatever could end early has a lower bound, or something is asked about it"
             }
             Reason::NothingRests => "no loop polls",
-            Reason::NothingToFind => "nothing is asked that it could answer",
             Reason::InOrder => "only what happens early is looked for",
         })
     }

@@ -167,7 +167,7 @@ impl<'a> SearchControl<'a> {
             }
             longest.map(|longest| Measured {
                 bound: Bound::Finite(longest.value),
-                longest: (layers.trace(longest.at, &Target::Lasts(gauge.of, longest.value))),
+                longest: layers.trace(longest.at, &Target::Lasts(gauge.of, longest.value)),
                 excess,
             })
         };
