@@ -1,5 +1,6 @@
 //! `dotgen monitor`
 
+mod checks;
 #[cfg(unix)]
 mod live;
 mod text;
@@ -13,13 +14,14 @@ use clap::Args;
 use dotgen_recording::log::Lines;
 use dotgen_recording::monitor::{Monitor, MonitorReport};
 use dotgen_recording::trace::Trace;
+use dotgen_timing::report::TimeUnit;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::Interrupt;
 
+use self::checks::{CheckResults, LogChecks};
 use super::outputs::{self, Output, PERFETTO};
 use super::report::TextOrJson;
 use super::run::bounds;
-use super::run::text::check_title;
 use super::session::is_standard_input;
 use super::system_options::SystemOptions;
 use super::verify::{interrupt, one_problem, prepared, title};
@@ -89,13 +91,6 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let bounds = bounds::of_tasks(arguments.bounds, &problem, &options, &prepared, &interrupt);
     let names = Names::new(&problem.specs());
     let system = &prepared.built.system;
-    let compare = prepared.checks.iter().filter(|check| !check.data.is_empty());
-    for check in compare {
-        report::note(&format!(
-            "not checked: {}; logs have no data, `dotgen run --record` and `dotgen replay` check this",
-            check_title(&check.report)
-        ));
-    }
     // Without execution times the monitor compares no bounds, but uses them for ticks.
     if let Some(note) = bounds::without_times(system, &mut [], true) {
         report::note(&note);
@@ -104,14 +99,23 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let mut reports = Vec::new();
     let mut trace = (arguments.trace.is_some()).then(|| Trace::new(Some(&names)));
     for log in &files.logs {
-        let mut monitor = Monitor::new(system, &names, bounds.clone());
+        let monitor = Monitor::new(system, &names, bounds.clone());
+        let mut monitor = LogChecks::new(&prepared, monitor);
         observe(log, &mut monitor, trace.as_mut(), arguments, &interrupt)?;
-        reports.push((log.clone(), monitor.report_so_far()));
+        let (report, results) = monitor.finish();
+        reports.push(LogReport { log: log.clone(), report, results });
     }
     if let (Some(path), Some(trace)) = (&arguments.trace, trace) {
         write_trace(path, &trace.finish())?;
     }
-    print(&title(&problem), &reports, arguments.format)
+    print(&title(&problem), &reports, prepared.report.unit, arguments.format)
+}
+
+/// The comparison of a log with the system.
+struct LogReport {
+    log: Utf8PathBuf,
+    report: MonitorReport,
+    results: CheckResults,
 }
 
 /// Checks that the files and options fit together.
@@ -140,7 +144,7 @@ fn check_files(arguments: &Arguments, files: &InputFiles) -> anyhow::Result<()> 
 /// Compares the run in a log, or the run behind a socket, with the system.
 fn observe(
     log: &Utf8Path,
-    monitor: &mut Monitor<'_>,
+    monitor: &mut LogChecks<'_>,
     mut trace: Option<&mut Trace<'_>>,
     arguments: &Arguments,
     interrupt: &Interrupt,
@@ -163,21 +167,22 @@ fn observe(
 /// Prints the reports of all logs.
 fn print(
     title: &str,
-    reports: &[(Utf8PathBuf, MonitorReport)],
+    reports: &[LogReport],
+    unit: TimeUnit,
     format: TextOrJson,
 ) -> anyhow::Result<Outcome> {
-    let mut all = reports.iter().map(|(_, report)| report);
+    let mut all = reports.iter().map(|of| &of.report);
     let nothing = all.all(|report| report.runs == 0 && report.deviation_count == 0);
     match format {
         // Without lines, only the error is printed.
         TextOrJson::Text if nothing => {}
-        TextOrJson::Text => text::print(title, reports)?,
+        TextOrJson::Text => text::print(title, reports, unit)?,
         TextOrJson::Json => print_json(title, reports)?,
     }
     if nothing {
         bail!("the log has no line of a codel of {title}");
     }
-    let deviates = reports.iter().any(|(_, report)| report.deviation_count > 0);
+    let deviates = reports.iter().any(|of| of.report.deviation_count > 0);
     Ok(if deviates { Outcome::Errors } else { Outcome::Fine })
 }
 
@@ -187,8 +192,8 @@ struct NewDeviations(usize);
 
 impl NewDeviations {
     /// Prints the deviations since the last call, in text format.
-    fn print(&mut self, monitor: &Monitor<'_>, format: TextOrJson) -> anyhow::Result<()> {
-        let fresh = monitor.found(self.0);
+    fn print(&mut self, monitor: &LogChecks<'_>, format: TextOrJson) -> anyhow::Result<()> {
+        let fresh = monitor.monitor.found(self.0);
         self.0 += fresh.len();
         match format {
             TextOrJson::Text => text::as_they_come(fresh),
@@ -200,7 +205,7 @@ impl NewDeviations {
 /// Reads a log as it grows. A pipe ends with its writer, a file with Ctrl-C.
 fn follow(
     path: &Utf8Path,
-    monitor: &mut Monitor<'_>,
+    monitor: &mut LogChecks<'_>,
     format: TextOrJson,
     interrupt: &Interrupt,
 ) -> anyhow::Result<()> {
@@ -253,12 +258,14 @@ fn write_trace(path: &Utf8Path, bytes: &[u8]) -> anyhow::Result<()> {
 }
 
 /// One document: an object for one log, a list for several.
-fn print_json(title: &str, reports: &[(Utf8PathBuf, MonitorReport)]) -> anyhow::Result<()> {
+fn print_json(title: &str, reports: &[LogReport]) -> anyhow::Result<()> {
     let mut documents = Vec::new();
-    for (log, report) in reports {
+    for LogReport { log, report, results } in reports {
         let mut document = serde_json::to_value(report)?;
         document["scenario"] = title.into();
         document["log"] = log.as_str().into();
+        document["checks"] = results.json();
+        document["not-checked"] = serde_json::to_value(&results.unshown)?;
         documents.push(document);
     }
     outputs::print_json(&outputs::one_or_all(documents))

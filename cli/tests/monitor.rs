@@ -269,3 +269,54 @@ fn a_trace_has_a_slice_for_each_run() {
     assert!(slices["requests of fill"] >= 1, "{slices:?}");
     assert!(flows > slices["requests of fill"], "{slices:?}");
 }
+
+/// Checks of the lesson's components. Its phases of execution are in the log as they are in the run.
+const CHECKS: &str = "
+  check never (eye.look.find.exec and chase.steer.main.exec);
+  check never chase.steer.stop;
+  check within eye.look.grab.exec => eye.look.find.exec <= 10 ms;
+  check within eye.look.grab.exec => eye.look.find.exec <= 3 ms;
+  check always eye.look.find.exec => not eye.look.grab.exec;
+  check eye.look.grab.exec precedes eye.look.find.exec;
+  check chase.steer.main.exec precedes eye.look.start.exec;
+  check absent chase.steer.main.exec after eye.look.grab.exec for 2 ms;
+  check absent eye.look.start.exec after eye.look.grab.exec for 2 ms;
+  check lasts eye.look.find.exec >= 1 ms;
+  check reachable chase.steer.main.lock;
+  check before eye.look.find.exec never eye.look.start.exec;
+  check after eye.look.find.exec never eye.look.start.exec;
+  check between eye.look.grab.exec and eye.look.find.exec never chase.steer.main.exec;
+  check after eye.look.find.exec until eye.look.grab.exec always not eye.look.start.exec;
+";
+
+#[test]
+fn a_log_answers_the_checks_of_its_run() {
+    let directory = Directory::new(&[]);
+    for name in ["eye.gen", "chase.gen", "ball.gen"] {
+        let path = format!("{}/../examples/class/{name}", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(path).expect("an example");
+        put(&directory, name, &text);
+    }
+    let parts = "use \"eye.gen\"; use \"chase.gen\"; cores 1; check schedulable *; check deadlock;";
+    put(&directory, "t.scn", &format!("scenario t {{ {parts}{CHECKS} }}"));
+    for seed in ["1", "2", "3"] {
+        let run = ["run", "t.scn", "--until", "3s", "--seed", seed, "--profile", "run.out"];
+        let run = dotgen(&directory, &[&run[..], &["--format", "json"]].concat());
+        let log = dotgen(&directory, &["monitor", "run.out", "t.scn", "--format", "json"]);
+        assert_eq!(status(&log), 1, "{}", stderr(&log));
+        let (run, log) = (json(&run), json(&log));
+        // The run has also answered the checks of tasks and of deadlocks, which no log shows.
+        let of_run = run["checks"].as_array().expect("checks").iter().skip(3);
+        let of_log = log["checks"].as_array().expect("checks");
+        assert_eq!(of_run.len(), of_log.len());
+        for (expected, found) in of_run.zip(of_log) {
+            assert_eq!(expected["of"], found["of"]);
+            assert_eq!(expected["verdict"], found["verdict"], "seed {seed}: {}", found["of"]);
+            let nanos = |value: &Value| value.as_f64().map(|time| (time * 1e6).round() as i64);
+            assert_eq!(nanos(&expected["greatest"]), found["greatest"].as_i64(), "{}", found["of"]);
+        }
+        let violated = of_log.iter().filter(|check| check["verdict"] == "violated").count();
+        assert_eq!(log["counts"]["check"], violated, "one deviation for each violated check");
+        assert_eq!(log["not-checked"].as_object().map(serde_json::Map::len), Some(2));
+    }
+}

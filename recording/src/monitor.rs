@@ -13,7 +13,8 @@
 //! * a codel that continues although one of higher priority has begun on the core to which both are bound
 //!   (22);
 //! * ticks of a periodic task that are not one period apart, as far as its greatest response time shows (4);
-//! * a response time beyond its proved bound.
+//! * a response time beyond its proved bound;
+//! * a violated check of the scenario (10), which the [`LogWatch`] evaluates.
 //!
 //! A log does not contain the releases of jobs. The monitor therefore compares with a bound only the time
 //! that a response has certainly lasted: from the first codel of a chain to its last codel in the same turn,
@@ -23,6 +24,7 @@ mod deviation;
 mod model;
 mod order;
 mod ticks;
+mod watch;
 
 use std::collections::BTreeMap;
 
@@ -38,6 +40,7 @@ pub use deviation::{Deviation, DeviationKind};
 use model::{CodelOutcome, Model, ResolvedKind};
 use order::{CodelRun, RunOrder};
 use ticks::TickPhase;
+pub use watch::{Executed, LogWatch, Noted, Subject, Thread};
 
 /// Tolerance in nanoseconds: clocks of threads are read one after the other, so that smaller differences do
 /// not prove an order.
@@ -245,8 +248,9 @@ impl<'s> Monitor<'s> {
         }
     }
 
-    /// Reads a line of a log. `ended`: the line has its line break.
-    pub fn line(&mut self, number: u64, text: &[u8], ended: bool) {
+    /// Reads a line of a log. `ended`: the line has its line break. Returns the codel of the model that was
+    /// executed.
+    pub fn line(&mut self, number: u64, text: &[u8], ended: bool) -> Option<Executed> {
         match origin(text) {
             Some(Origin::Ending) => self.ending = true,
             Some(Origin::Measured | Origin::Simulated) => self.ending = false,
@@ -254,11 +258,9 @@ impl<'s> Monitor<'s> {
         }
         // While components are shut down, turns do not wait for ticks.
         if self.ending {
-            return;
+            return None;
         }
-        let Some((line, kind)) = self.left.classify(&mut self.kinds, text, ended) else {
-            return;
-        };
+        let (line, kind) = self.left.classify(&mut self.kinds, text, ended)?;
         while kind as usize >= self.resolved.len()
             && let Some(kind) = self.kinds.all.get(self.resolved.len())
         {
@@ -266,9 +268,7 @@ impl<'s> Monitor<'s> {
             let instance = *self.instances.entry(kind.instance.clone()).or_insert(next);
             self.resolved.push(self.model.resolve(kind, instance));
         }
-        let Some(resolved) = self.resolved.get(kind as usize).copied() else {
-            return;
-        };
+        let resolved = self.resolved.get(kind as usize).copied()?;
         let run = CodelRun {
             asked: line.asked,
             began: line.began,
@@ -296,8 +296,11 @@ impl<'s> Monitor<'s> {
                     self.report(&run, kind.instance, what);
                 }
             }
-            ResolvedKind::State(at) => self.state(at, kind, run),
-            ResolvedKind::Control { codel, component, instance, declared } => {
+            ResolvedKind::State(at) => {
+                self.state(at, kind, run);
+                return Some(self.executed_state(at, &run));
+            }
+            ResolvedKind::Control { codel, component, service, instance, declared } => {
                 self.codel(codel, &run);
                 if !declared
                     && let Some(to) = self.kinds.all.get(kind as usize).map(|kind| kind.to.clone())
@@ -317,7 +320,34 @@ impl<'s> Monitor<'s> {
                     ..run
                 };
                 self.check_order(run);
+                return Some(Executed {
+                    thread: Thread::Task(instance, self.model.control(component)?),
+                    subject: Subject::Control { service, codel },
+                    codel,
+                    task: None,
+                    next: None,
+                    line: number,
+                    times: [line.asked, line.began, line.ended],
+                });
             }
+        }
+        None
+    }
+
+    fn executed_state(&self, at: model::StateOutcome, run: &CodelRun) -> Executed {
+        let machine = at.machine;
+        let next = at.next.filter(|(_, paused)| !paused);
+        Executed {
+            thread: match self.model.thread(at.task, at.is_async) {
+                Some(thread) => Thread::Task(at.instance, thread),
+                None => Thread::Machine(at.instance, machine),
+            },
+            subject: Subject::State { machine, state: at.state },
+            codel: at.codel,
+            task: Some(at.task),
+            next: next.map(|(state, _)| Subject::State { machine, state }),
+            line: run.line,
+            times: [run.asked, run.began, run.ended],
         }
     }
 
@@ -333,6 +363,12 @@ impl<'s> Monitor<'s> {
                 what,
             });
         }
+    }
+
+    /// Adds a violation of a check, which a line shows at a moment in nanoseconds.
+    pub fn violated(&mut self, line: u64, at: i64, check: String) {
+        let run = CodelRun { line, began: at, ..CodelRun::default() };
+        self.report(&run, check, DeviationKind::Check);
     }
 
     /// Returns the kept deviations from index `since` on.

@@ -1,6 +1,6 @@
 //! The comparison of a run with the checks of its scenario and with proved bounds.
 
-use dotgen_timing::explore::{Seen, Stepper, Work};
+use dotgen_timing::explore::{RunState, Seen, Work};
 use dotgen_timing::property::DataFact;
 use dotgen_timing::system::{TaskId, Ticks};
 use dotgen_timing::verify::{Prepared, Question};
@@ -177,9 +177,9 @@ impl<'p> RunChecker<'p> {
     }
 
     /// Records an event.
-    pub fn on_event(&mut self, stepper: &Stepper, seen: &Seen) {
-        let now = Moment { run: self.run, time: stepper.now() };
-        self.note_data(stepper);
+    pub fn on_event(&mut self, state: &impl RunState, seen: &Seen) {
+        let now = Moment { run: self.run, time: state.now() };
+        self.note_data(state);
         match *seen {
             Seen::Missed { task } | Seen::Overdue { task } | Seen::Job { task, .. }
                 if self.gone[task] => {}
@@ -225,8 +225,8 @@ impl<'p> RunChecker<'p> {
 
     /// Notes the comparisons of data that have become known. From here on, a check that lacked one is
     /// exercised.
-    fn note_data(&mut self, stepper: &Stepper) {
-        let fresh = |fact: &usize| !self.known[*fact] && stepper.knows_fact(*fact);
+    fn note_data(&mut self, state: &impl RunState) {
+        let fresh = |fact: &usize| !self.known[*fact] && state.knows_fact(*fact);
         let fresh: Vec<usize> = (0..self.known.len()).filter(fresh).collect();
         for &fact in &fresh {
             self.known[fact] = true;
@@ -314,8 +314,8 @@ impl<'p> RunChecker<'p> {
     }
 
     /// Records a violation by a codel.
-    pub fn on_violation(&mut self, stepper: &Stepper, violation: CodelViolation) {
-        let now = Moment { run: self.run, time: stepper.now() };
+    pub fn on_violation(&mut self, state: &impl RunState, violation: CodelViolation) {
+        let now = Moment { run: self.run, time: state.now() };
         if let CodelViolation::Lost { component, .. } = &violation {
             let system = &self.prepared.built.system;
             for (task, gone) in self.gone.iter_mut().enumerate() {
@@ -347,19 +347,19 @@ impl<'p> RunChecker<'p> {
     }
 
     /// Updates times that are still running, after time has passed.
-    pub fn moment(&mut self, stepper: &Stepper) {
-        let now = Moment { run: self.run, time: stepper.now() };
+    pub fn moment(&mut self, state: &impl RunState) {
+        let now = Moment { run: self.run, time: state.now() };
         for task in 0..self.bounds.len() {
             if self.gone[task] {
                 continue;
             }
-            if let Some(so_far) = stepper.job(task) {
+            if let Some(so_far) = state.job(task) {
                 self.lasts_job(now, task, so_far);
             }
         }
         for check in 0..self.places.len() {
             if let (Some(place), true) = (self.places[check], self.is_within(check))
-                && let Some(so_far) = stepper.awaited(place)
+                && let Some(so_far) = state.awaited(place)
             {
                 // Without a limit, only an answer shows anything.
                 if matches!(self.prepared.checks[check].question, Question::Within(..)) {
@@ -371,15 +371,15 @@ impl<'p> RunChecker<'p> {
     }
 
     /// Records that a run ends, or begins to: nothing that is awaited comes any more.
-    pub fn end_checks(&mut self, stepper: &Stepper, end: End) {
-        let now = Moment { run: self.run, time: stepper.now() };
+    pub fn end_checks(&mut self, state: &impl RunState, end: End) {
+        let now = Moment { run: self.run, time: state.now() };
         if end == End::NothingLeft {
             self.each(now, |question| matches!(question, Question::Deadlock));
             for check in 0..self.places.len() {
                 // The awaited event can no longer come.
                 let awaited = match (&self.prepared.checks[check].question, self.places[check]) {
                     (Question::LeadsTo(..) | Question::Within(..), Some(place)) => {
-                        stepper.awaited(place).is_some()
+                        state.awaited(place).is_some()
                     }
                     (Question::Eventually(_), _) => !self.reached[check],
                     _ => false,

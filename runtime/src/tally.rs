@@ -1,6 +1,6 @@
 //! Counts along runs.
 
-use dotgen_timing::explore::{Seen, Stepper, Work};
+use dotgen_timing::explore::{RunState as _, Seen, Stepper, Work};
 use dotgen_timing::system::{ClientId, CodelId, MachineId, ServiceId, Ticks, TimedSystem};
 use typed_index_collections::{TiVec, ti_vec};
 

@@ -39,5 +39,5 @@ pub use rules::{Action, IdleTurn, Moment, MomentKind, Work};
 pub use run::{Run, SystemRun};
 pub use search::{Walked, bytes_of_walks, explore, explore_with_reports, search_once, walk};
 pub use spans::{ChainSpans, Span, Spent};
-pub use stepper::{Possible, Seen, Stepper, Watched};
+pub use stepper::{Possible, RunState, Seen, Stepper, Watched};
 pub use watch::{Limits, ResponseTime, Stop, Watch, Within};

@@ -4,10 +4,10 @@ use std::os::unix::fs::FileTypeExt as _;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 
 use camino::Utf8Path;
-use dotgen_recording::monitor::Monitor;
 use dotgen_timing::verify::Interrupt;
 use serde_json::json;
 
+use super::checks::LogChecks;
 use super::{NewDeviations, POLL_INTERVAL};
 use crate::call::RunConnection;
 use crate::report::TextOrJson;
@@ -19,7 +19,7 @@ pub(super) fn is_socket(path: &Utf8Path) -> bool {
 /// Receives executions of codels until the run ends, or Ctrl-C.
 pub(super) fn follow(
     path: &Utf8Path,
-    monitor: &mut Monitor<'_>,
+    monitor: &mut LogChecks<'_>,
     format: TextOrJson,
     interrupt: &Interrupt,
 ) -> anyhow::Result<()> {

@@ -2,13 +2,17 @@
 
 use std::io::Write;
 
-use camino::Utf8PathBuf;
 use clap::builder::styling::{AnsiColor, Style};
 use dotgen_analysis::terminal;
 use dotgen_recording::matching::Mismatch;
 use dotgen_recording::monitor::{Deviation, DeviationKind, MonitorReport};
+use dotgen_timing::report::TimeUnit;
 
+use super::LogReport;
+use super::checks::CheckResults;
+use crate::run;
 use crate::wcet::stats::{nanos, table, told};
+use crate::width::wrapped;
 
 const TITLE: Style = Style::new().bold();
 const GOOD: Style = AnsiColor::Green.on_default();
@@ -17,20 +21,25 @@ const BAD: Style = AnsiColor::Red.on_default().bold();
 /// Maximum number of listed items. Further ones are only counted.
 const MAX_LISTED: usize = 20;
 
-pub(super) fn print(title: &str, reports: &[(Utf8PathBuf, MonitorReport)]) -> anyhow::Result<()> {
+pub(super) fn print(title: &str, reports: &[LogReport], unit: TimeUnit) -> anyhow::Result<()> {
     let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
-    for (i, (log, report)) in reports.iter().enumerate() {
+    for (i, LogReport { log, report, results }) in reports.iter().enumerate() {
         if i > 0 {
             writeln!(out)?;
         }
         let (title, log) = (terminal::text(title), terminal::name(log.as_str()));
         writeln!(out, "{TITLE}{title}{TITLE:#}: {} runs of codels in {log}", report.runs)?;
-        one(&mut out, report)?;
+        one(&mut out, report, results, unit)?;
     }
     Ok(())
 }
 
-fn one(out: &mut impl Write, report: &MonitorReport) -> anyhow::Result<()> {
+fn one(
+    out: &mut impl Write,
+    report: &MonitorReport,
+    results: &CheckResults,
+    unit: TimeUnit,
+) -> anyhow::Result<()> {
     let or_none = |time: Option<i64>| time.map_or("-".to_owned(), nanos);
     let head = ["task", "chains", "greatest response", "bound", "period"];
     let mut rows = vec![head.map(str::to_owned)];
@@ -73,6 +82,11 @@ fn one(out: &mut impl Write, report: &MonitorReport) -> anyhow::Result<()> {
     }
     for text in told(&report.left) {
         writeln!(out, "{TITLE}left out{TITLE:#}: {text}")?;
+    }
+    run::text::checks(out, &results.checks, unit)?;
+    for (why, titles) in &results.unshown {
+        let line = format!("{TITLE}note{TITLE:#}: not checked: {}; {why}", titles.join(", "));
+        writeln!(out, "{}", wrapped(&line, 0, 2))?;
     }
     if report.deviation_count == 0 {
         writeln!(out, "{GOOD}nothing deviates{GOOD:#}")?;
@@ -181,5 +195,6 @@ fn words(what: &DeviationKind) -> String {
         DeviationKind::Response { response, bound } => {
             format!("took {} for a job, more than the proved {}", nanos(*response), nanos(*bound))
         }
+        DeviationKind::Check => "is violated".to_owned(),
     }
 }

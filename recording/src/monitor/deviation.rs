@@ -47,6 +47,8 @@ pub enum DeviationKind {
     Late { by: i64, period: i64 },
     /// A response time exceeds its bound.
     Response { response: i64, bound: i64 },
+    /// A check of the scenario is violated.
+    Check,
 }
 
 impl DeviationKind {
@@ -66,6 +68,7 @@ impl DeviationKind {
             DeviationKind::Early { .. } => "early",
             DeviationKind::Late { .. } => "late",
             DeviationKind::Response { .. } => "response",
+            DeviationKind::Check => "check",
         }
     }
 
@@ -90,6 +93,7 @@ impl DeviationKind {
                 "ticks are one period apart"
             }
             DeviationKind::Response { .. } => "a response time has its proved bound",
+            DeviationKind::Check => "a check of the scenario",
         }
     }
 }

@@ -3,7 +3,8 @@
 use dotgen_analysis::model::Owner;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::{
-    CodelId, ComponentId, FOREVER, MachineId, Policy, TaskId, Ticks, TimedSystem, Yield,
+    CodelId, ComponentId, FOREVER, MachineId, Policy, Service, ServiceId, TaskId, Ticks,
+    TimedSystem, Yield,
 };
 use num_rational::Ratio;
 use rustc_hash::FxHashMap;
@@ -35,6 +36,7 @@ pub(super) enum ResolvedKind {
     Control {
         codel: CodelId,
         component: ComponentId,
+        service: ServiceId,
         instance: u32,
         /// The event after the run is declared.
         declared: bool,
@@ -217,8 +219,8 @@ impl<'s> Model<'s> {
                 return none;
             };
             let service = parts.services.get(service as usize);
-            let service = service.and_then(|&service| self.system.services.get(service));
-            let Some(service) = service else { return none };
+            let Some(&number) = service else { return none };
+            let Some(service) = self.system.services.get(number) else { return none };
             let mut all = service.validate.iter().chain(&service.simple).copied();
             let is = |index: &CodelId| {
                 let codel = self.system.codels.get(*index);
@@ -230,6 +232,7 @@ impl<'s> Model<'s> {
             ResolvedKind::Control {
                 codel,
                 component,
+                service: number,
                 instance,
                 declared: kind.to == "::genom::ok" || self.throws(codel, &kind.to),
             }
@@ -238,16 +241,16 @@ impl<'s> Model<'s> {
 
     /// Looks up a service without a codel: the model has one in its place.
     fn attribute(&self, kind: &LineKind, instance: u32) -> ResolvedKind {
-        let of = |service: &&dotgen_timing::system::Service| {
+        let found = self.system.services.iter_enumerated().find(|(_, service)| {
             let component = self.system.components.get(service.component);
             let named = component.is_some_and(|of| of.name == kind.instance);
             named && service.name == kind.service
-        };
-        let service = self.system.services.iter().find(of);
-        let codel = service.and_then(|service| Some((service.component, *service.simple.first()?)));
-        match codel {
-            Some((component, codel)) => {
-                ResolvedKind::Control { codel, component, instance, declared: true }
+        });
+        match found.and_then(|(number, service)| Some((number, service, *service.simple.first()?)))
+        {
+            Some((service, Service { component, .. }, codel)) => {
+                let component = *component;
+                ResolvedKind::Control { codel, component, service, instance, declared: true }
             }
             None => ResolvedKind::Mismatch(Mismatch::NoCodel),
         }

@@ -14,7 +14,7 @@ use rustc_hash::FxHasher;
 
 use super::rules::Action;
 use super::run::{Run, SystemRun};
-use super::stepper::{Possible, Seen, Stepper, Watched};
+use super::stepper::{Possible, RunState as _, Seen, Stepper, Watched};
 use super::watch::Watch;
 use super::{Bound, Findings, Measured, Stop};
 use crate::cancel::Cancel;

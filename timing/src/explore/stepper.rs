@@ -7,7 +7,7 @@
 
 mod seen;
 
-pub use self::seen::Seen;
+pub use self::seen::{RunState, Seen};
 use super::observe::{self, Observers};
 use super::rules::{Action, Enabled, IdleTurn, Rules, Work};
 use super::state::{Clocks, Stages, State, TaskStatus, phase};
@@ -185,11 +185,6 @@ impl<'s> Stepper<'s> {
         self.new_facts.push((fact, holds));
     }
 
-    /// Returns true if a comparison of data has been set in this run.
-    pub fn knows_fact(&self, fact: usize) -> bool {
-        self.rules.frame().fact(&self.s, fact).is_some()
-    }
-
     /// Sets the duration, in base units, of the work that an executor has just begun. It must be a possible
     /// duration.
     pub fn decide(&mut self, executor: usize, time: Ticks) {
@@ -282,20 +277,6 @@ impl<'s> Stepper<'s> {
         self.rules.elapse(&mut self.s, time);
         self.now += u64::from(time);
         self.note_overdue(seen);
-    }
-
-    /// Returns the duration so far of a task's job, in base units, if the task has a measured job.
-    pub fn job(&self, task: usize) -> Option<Ticks> {
-        let clock = self.rules.frame().response[task]?;
-        (self.rules.job(&self.s, task) != TaskStatus::Idle).then(|| self.s.t[clock])
-    }
-
-    /// Returns the time, in base units, for which the responses of an entry of [`Watched::within`] have been
-    /// awaited, if they are.
-    pub fn awaited(&self, within: usize) -> Option<Ticks> {
-        let l = self.rules.frame();
-        let clock = l.observer_clock(&self.s, within)?;
-        l.is_open(&self.s, within).then(|| self.s.t[clock])
     }
 
     /// Returns the number of places for activities. They are numbered as in [`Work::State`].
@@ -416,6 +397,27 @@ impl Stepper<'_> {
             }
             self.overdue[task] = now;
         }
+    }
+}
+
+impl RunState for Stepper<'_> {
+    fn now(&self) -> u64 {
+        self.now
+    }
+
+    fn knows_fact(&self, fact: usize) -> bool {
+        self.rules.frame().fact(&self.s, fact).is_some()
+    }
+
+    fn job(&self, task: usize) -> Option<Ticks> {
+        let clock = self.rules.frame().response[task]?;
+        (self.rules.job(&self.s, task) != TaskStatus::Idle).then(|| self.s.t[clock])
+    }
+
+    fn awaited(&self, within: usize) -> Option<Ticks> {
+        let l = self.rules.frame();
+        let clock = l.observer_clock(&self.s, within)?;
+        l.is_open(&self.s, within).then(|| self.s.t[clock])
     }
 }
 

@@ -27,11 +27,13 @@ const SEEN: u16 = 3;
 const OVER: u16 = 4;
 
 impl Monitor {
+    /// The location of a monitor that watches nothing yet.
+    pub const INITIAL: u16 = INITIAL;
     /// The location of a violated monitor.
     pub const VIOLATED: u16 = VIOLATED;
 
     /// Returns the predicate without which the monitor says nothing about a run.
-    pub(crate) fn opening(&self) -> &Predicate {
+    pub fn opening(&self) -> &Predicate {
         &self.predicates[self.kind.opening()]
     }
 

@@ -94,7 +94,7 @@ pub enum SlotStatus {
 
 impl Predicate {
     /// Calls `found` with every atom.
-    pub(crate) fn atoms(&self, found: &mut impl FnMut(&Atom)) {
+    pub fn atoms(&self, found: &mut impl FnMut(&Atom)) {
         match self {
             Predicate::Atom(atom) | Predicate::Leave(atom) => found(atom),
             Predicate::Not(predicate) => predicate.atoms(found),
@@ -182,7 +182,7 @@ impl Predicate {
 
     /// Returns the value in a state that was entered from another one. `atom` evaluates an atom in the
     /// present state (`true`) or in the previous one (`false`).
-    pub(crate) fn eval(&self, atom: &impl Fn(&Atom, bool) -> bool) -> bool {
+    pub fn eval(&self, atom: &impl Fn(&Atom, bool) -> bool) -> bool {
         match self {
             Predicate::Atom(proposition) => atom(proposition, true),
             Predicate::Leave(proposition) => atom(proposition, false) && !atom(proposition, true),
@@ -193,7 +193,7 @@ impl Predicate {
     }
 
     /// Returns the value in a state that is not being entered: no atom is being left.
-    pub(crate) fn eval_still(&self, atom: &impl Fn(&Atom) -> bool) -> bool {
+    pub fn eval_still(&self, atom: &impl Fn(&Atom) -> bool) -> bool {
         self.eval(&|proposition, _| atom(proposition))
     }
 }

@@ -1,6 +1,6 @@
 //! Tasks that certainly have jobs, because a run shows one.
 
-use crate::explore::{Possible, Stepper, Watched};
+use crate::explore::{Possible, RunState as _, Stepper, Watched};
 use crate::system::{TaskId, TimedSystem};
 use typed_index_collections::{TiSlice, TiVec, ti_vec};
 

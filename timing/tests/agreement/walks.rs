@@ -1,6 +1,8 @@
 //! All actions of a stepper are runs of the system, and its events are those of the run.
 
-use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Watched, Within, Work};
+use dotgen_timing::explore::{
+    Action, Possible, RunState as _, Seen, Stepper, Watched, Within, Work,
+};
 use dotgen_timing::system::TimedSystem;
 
 use crate::agreement::brute::{Brute, CAP, Results};

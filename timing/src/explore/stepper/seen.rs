@@ -67,3 +67,19 @@ pub enum Seen {
         after: Ticks,
     },
 }
+
+/// The times of a run that goes on: of a [`Stepper`](super::Stepper), or of a log.
+pub trait RunState {
+    /// Returns the time since the start, in base units.
+    fn now(&self) -> u64;
+
+    /// Returns the duration so far of a task's job, in base units, if the task has a measured job.
+    fn job(&self, task: usize) -> Option<Ticks>;
+
+    /// Returns the time, in base units, for which the responses of an entry of
+    /// [`Watched::within`](super::Watched::within) have been awaited, if they are.
+    fn awaited(&self, within: usize) -> Option<Ticks>;
+
+    /// Returns true if a comparison of data has been set in this run.
+    fn knows_fact(&self, fact: usize) -> bool;
+}
