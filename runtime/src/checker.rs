@@ -40,6 +40,8 @@ pub enum Idle {
     NotWritten { fact: usize },
     /// The first predicate of the check did not become true.
     NoTrigger,
+    /// Nothing happened that the pattern is about.
+    NoPattern,
     /// The first predicate became true, and the run ended before the second one did.
     NotAnswered,
     /// The expected event did not come.
@@ -287,7 +289,8 @@ impl<'p> RunChecker<'p> {
             | Question::Response(task, _) => Idle::NoCodel { task },
             Question::Always(_) | Question::Deadlock => Idle::NothingExecuted,
             Question::LeadsTo(..) if self.answers[check].greatest.is_some() => Idle::NotAnswered,
-            Question::Within(..) | Question::LeadsTo(..) | Question::Pattern(_) => Idle::NoTrigger,
+            Question::Within(..) | Question::LeadsTo(..) => Idle::NoTrigger,
+            Question::Pattern(_) => Idle::NoPattern,
             Question::Eventually(_) | Question::Reachable(_) => Idle::NotSeen,
         })
     }

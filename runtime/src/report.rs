@@ -443,6 +443,7 @@ impl ReportBuilder<'_> {
             Idle::NotWritten { fact } => format!("{} was not written", data(fact)),
             Idle::NothingExecuted => "no codel was executed".to_owned(),
             Idle::NoTrigger => "its first condition did not become true".to_owned(),
+            Idle::NoPattern => "nothing happened that the pattern is about".to_owned(),
             Idle::NotAnswered => "the run ended before its second condition became true".to_owned(),
             Idle::NotSeen => "it did not become true".to_owned(),
         }

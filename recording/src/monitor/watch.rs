@@ -254,12 +254,12 @@ impl LogWatch {
                 let passed = Ticks::try_from(passed.to_integer()).unwrap_or(Ticks::MAX);
                 monitor.time.saturating_sub(passed)
             });
-            let opening = monitor.opening();
-            if holds(opening) && !held(opening) {
-                seen.push(Seen::Opened { monitor: number });
-            }
+            let (opening, before) = (monitor.opening(), *location);
             *location =
                 monitor.next(*location, rises, &mut left, |i| holds(&monitor.predicates[i]));
+            if monitor.is_exercised((before, *location), holds(opening) && !held(opening)) {
+                seen.push(Seen::Opened { monitor: number });
+            }
             if *location == Monitor::VIOLATED {
                 (*location, *since) = (Monitor::INITIAL, None);
                 seen.push(Seen::Violated { monitor: number });

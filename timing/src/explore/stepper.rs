@@ -360,7 +360,9 @@ impl Stepper<'_> {
         let l = self.rules.frame();
         for (number, monitor) in self.observers.monitors.iter().enumerate() {
             let was = before.is_some_and(|before| opens(&self.rules, monitor, before));
-            if !was && opens(&self.rules, monitor, &self.s) {
+            let location = |s: &State| l.monitor(s, number);
+            let step = (before.map_or(monitor::INITIAL, location), location(&self.s));
+            if monitor.is_exercised(step, !was && opens(&self.rules, monitor, &self.s)) {
                 seen.push(Seen::Opened { monitor: number });
             }
             // The monitor begins again: a run may violate it several times.

@@ -32,7 +32,17 @@ impl Monitor {
     /// The location of a violated monitor.
     pub const VIOLATED: u16 = VIOLATED;
 
-    /// Returns the predicate without which the monitor says nothing about a run.
+    /// Returns true if a step shows something about the pattern: the predicate without which it says nothing
+    /// becomes true (`opens`), or an interval that must end has ended. The locations are those before and
+    /// after the step.
+    pub fn is_exercised(&self, (before, now): (u16, u16), opens: bool) -> bool {
+        if self.kind.closing().is_none() {
+            return opens;
+        }
+        matches!(before, OPEN | SEEN) && matches!(now, INITIAL | VIOLATED)
+    }
+
+    /// Returns the predicate with which everything begins that the pattern is about.
     pub fn opening(&self) -> &Predicate {
         &self.predicates[self.kind.opening()]
     }

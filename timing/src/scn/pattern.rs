@@ -40,6 +40,11 @@ impl MonitorKind {
     pub(crate) fn opening(self) -> usize {
         usize::from(self == MonitorKind::Precedes)
     }
+
+    /// Returns the index of the predicate that must follow the opening one, or else nothing is claimed.
+    pub(crate) fn closing(self) -> Option<usize> {
+        matches!(self, MonitorKind::NeverBetween | MonitorKind::SomeBetween).then_some(1)
+    }
 }
 
 /// The written form of a pattern.
@@ -80,11 +85,6 @@ impl ScopeWord {
 }
 
 impl Pattern {
-    /// Returns the predicate without which the pattern says nothing about a run.
-    pub(crate) fn opening(&self) -> &Pred {
-        &self.predicates[self.kind.opening()]
-    }
-
     /// Returns the pattern as it is written, normalised.
     pub fn text(&self) -> String {
         let of = |index: usize| self.predicates[index].text();

@@ -305,8 +305,10 @@ impl Group<'_> {
     fn never_opened(&self, pattern: &Pattern, found: &Findings) -> Option<String> {
         let monitor = self.monitor(pattern)?;
         let absent = |atom: &Atom| found.absent.has(atom);
-        let never = monitor.opening().is_never(&absent);
-        never.then(|| format!("`{}` never becomes true", pattern.opening().text()))
+        let needed = [Some(monitor.kind.opening()), monitor.kind.closing()];
+        let mut needed = needed.into_iter().flatten();
+        let never = needed.find(|&index| monitor.predicates[index].is_never(&absent))?;
+        Some(format!("`{}` never becomes true", pattern.predicates[never].text()))
     }
 
     fn unless_stopped(

@@ -63,3 +63,41 @@ component d {
     let verdicts: Vec<Verdict> = report.checks.iter().map(|check| check.verdict).collect();
     assert_eq!(verdicts, [Verdict::Proved, Verdict::Refuted, Verdict::Refuted]);
 }
+
+#[test]
+fn an_interval_that_never_ends_proves_nothing() {
+    let unit = load(
+        r"
+component c {
+  ids { long f; };
+  task t {
+    period 8 ms;
+    codel<start> a() yield pause::start wcet 2 ms;
+    codel<stop> b() yield ether wcet 2 ms;
+  };
+};
+",
+    );
+    let parsed = parse(
+        "scenario s {
+           check between c.t.start.exec and c.t.idle never c.t.stop.exec;
+           check between c.t.start.exec and c.t.stop.exec never c.t.idle;
+           check between c.t.start.exec and c.t.stop.exec eventually c.t.idle;
+           check after c.t.start.exec until c.t.stop.exec never c.t.stop; }",
+    );
+    assert_eq!(parsed.errors, []);
+    let input = SystemInput { specs: vec![&unit.spec] };
+    let report = verify(&input, &parsed.scenario, &Options::default(), &Cancel::default());
+    let verdicts: Vec<_> =
+        report.checks.iter().map(|check| (check.verdict, check.note.as_deref())).collect();
+    let never = Some("`c.t.stop.exec` never becomes true");
+    assert_eq!(
+        verdicts,
+        [
+            (Verdict::Proved, None),
+            (Verdict::Vacuous, never),
+            (Verdict::Vacuous, never),
+            (Verdict::Proved, None),
+        ]
+    );
+}

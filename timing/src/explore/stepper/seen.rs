@@ -44,7 +44,8 @@ pub enum Seen {
     Missed { task: usize },
     /// A job waits for a core for at least the period of its task.
     Overdue { task: usize },
-    /// The predicate that opens a monitor of [`Watched::monitors`](super::Watched::monitors) has become true.
+    /// A monitor of [`Watched::monitors`](super::Watched::monitors) has been exercised, as
+    /// [`Monitor::is_exercised`](crate::property::Monitor::is_exercised) says.
     Opened {
         /// Index of the monitor.
         monitor: usize,
