@@ -60,6 +60,12 @@ impl TypeKind {
         })
     }
 
+    /// Returns true for integers, characters and floating-point numbers.
+    pub fn is_number(&self) -> bool {
+        matches!(self, TypeKind::Char | TypeKind::Float | TypeKind::Double)
+            || self.integer().is_some()
+    }
+
     /// The word for the kind: the IDL name of base types, and the template language's word for others.
     pub fn word(&self) -> &'static str {
         match self {

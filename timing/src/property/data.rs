@@ -80,17 +80,13 @@ pub(crate) fn resolve(
 
 /// Checks that values of a type can be compared with the operand.
 fn fits(spec: &Spec, ty: TypeId, comparison: &Comparison) -> Result<(), Diagnostic> {
-    use TypeKind::{Char, Double, Float, Long, LongLong, Octet, Short};
-    use TypeKind::{UnsignedLong, UnsignedLongLong, UnsignedShort};
-
     let Comparison { path, operator, operand } = comparison;
     let text = path.text();
     let wrong = |range, message| Err(Diagnostic::error("scn-wrong-kind", range, message));
     let kind = &spec.ty(spec.resolve_alias(ty)).kind;
     let is_equality = matches!(operator, Operator::Equal | Operator::Unequal);
     match kind {
-        Octet | Char | Short | UnsignedShort | Long | UnsignedLong | LongLong
-        | UnsignedLongLong | Float | Double => {
+        kind if kind.is_number() => {
             if operand.value.starts_with(|first: char| first == '-' || first.is_ascii_digit()) {
                 return Ok(());
             }

@@ -1,6 +1,8 @@
 //! Comparisons of the data of ports.
 
 use dotgen_timing::explore::{Possible, Seen, Stepper};
+use dotgen_timing::scn::complete::{Completions, complete};
+use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::{Prepared, prepare};
 use serde_json::json;
 
@@ -156,4 +158,38 @@ fn before_a_port_is_written_no_comparison_holds() {
         let found = violations(check, &values);
         assert_eq!(found.first(), violated.first(), "{check}: {found:?}");
     }
+}
+
+#[test]
+fn members_are_proposed_one_name_at_a_time() {
+    let unit = load(TANK);
+    let names = Names::new(&[&unit.spec]);
+    let proposed = |check: &str| {
+        let text = format!("scenario s {{ check never {check}");
+        let parsed = parse(&text);
+        let Completions::Of { items, .. } = complete(&text, &parsed.scenario, &names, text.len())
+        else {
+            return String::new();
+        };
+        items.iter().map(|item| item.label.clone()).collect::<Vec<_>>().join(" ")
+    };
+    let shown: Vec<String> = [
+        "tank.state.",
+        "tank.state.inflow.",
+        "tank.",
+        "tank.state.level ",
+        "tank.state.full ",
+        "tank.keep ",
+    ]
+    .into_iter()
+    .map(|check| format!("{check}| {}", proposed(check)))
+    .collect();
+    insta::assert_snapshot!(shown.join("\n"), @r"
+    tank.state.| level count full now inflow
+    tank.state.inflow.| rate
+    tank.| keep state height idle
+    tank.state.level | == != < <= > >=
+    tank.state.full | == !=
+    tank.keep | and or
+    ");
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use dotgen_analysis::model::PortDir;
+use dotgen_analysis::model::{PortDir, TypeKind};
 
 use super::{Completion, CompletionKind, Finder, PathKind, word};
 use crate::scn::ast::{Client, Item, Path, Spanned, Step, StepKind};
@@ -129,8 +129,14 @@ impl<'f> Finder<'f> {
             _ => false,
         });
         if after_operand {
-            self.words(&["and", "or"]);
-            self.words(more);
+            let operators = self.operand(rest).and_then(|target| self.operators(&target));
+            match operators {
+                Some(operators) => self.words(operators),
+                None => {
+                    self.words(&["and", "or"]);
+                    self.words(more);
+                }
+            }
             return true;
         }
         let path = self.written(rest).map(|pair| pair.1).unwrap_or_default();
@@ -152,7 +158,10 @@ impl<'f> Finder<'f> {
                 // Outputs have data to compare.
                 let is_input = matches!(target, Target::Port(c, p)
                     if self.names.components[c].component.ports[p as usize].dir == PortDir::In);
-                if !is_input {
+                let is_data = matches!(target, Target::Port(..) | Target::Member(..));
+                let has_value = self.operators(&target).is_some()
+                    || !self.names.after(Some(&target)).is_empty();
+                if !is_input && (!is_data || has_value) {
                     self.push(label, &target);
                 }
             }
@@ -167,6 +176,28 @@ impl<'f> Finder<'f> {
             }
         }
         true
+    }
+
+    /// Returns the target of the path that the tokens end in.
+    fn operand(&self, rest: &[&Token]) -> Option<Target> {
+        let (last, before) = rest.split_last()?;
+        let mut path = self.written(before)?.1;
+        let value = word(self.text, Some(last)).to_owned();
+        path.names.push(Spanned { value, range: last.range.clone() });
+        let mut targets = self.names.follow(&path);
+        targets.pop().filter(|_| targets.len() + 1 == path.names.len())
+    }
+
+    /// Returns the operators that compare the data of a target; `None` if it has none to compare.
+    fn operators(&self, target: &Target) -> Option<&'static [&'static str]> {
+        let (&Target::Port(c, _) | &Target::Member(c, ..)) = target else { return None };
+        let spec = self.names.components[c].spec;
+        let ty = spec.resolve_alias(self.names.data_type(target)?);
+        match &spec.ty(ty).kind {
+            TypeKind::Boolean | TypeKind::Enum { .. } => Some(&["==", "!="]),
+            kind if kind.is_number() => Some(&["==", "!=", "<", "<=", ">", ">="]),
+            _ => None,
+        }
     }
 
     pub(super) fn clients(&self) -> impl Iterator<Item = &'f Client> + use<'f> {
