@@ -1,7 +1,7 @@
 //! From the timed system to a network of timed automata, by the rules of the servers (section 21 of the timed
-//! semantics).
+//! semantics) or of the published models ([`jobs`]).
 //!
-//! There is one process for each task, timer, control task and client, and one `scheduler`. An action of the
+//! By the rules of the servers, there is one process for each task, timer, control task and client, and one `scheduler`. An action of the
 //! verifier is one edge of a process, or a chain of edges through committed locations. Its last edge sends
 //! `step` to the scheduler, which does what must follow at once: clients proceed, tasks ask for a core, cores
 //! are granted, in this order. Then the scheduler is `busy`: no time passes. It becomes `calm`, and time may
@@ -12,6 +12,7 @@ mod checks;
 mod client;
 mod control;
 mod declare;
+mod jobs;
 mod layout;
 mod monitors;
 mod names;
@@ -67,10 +68,16 @@ pub fn translate(prepared: &Prepared, place: &Place) -> Result<Network, Vec<Refu
         ..Network::default()
     };
     network.header.extend(layout.renamed.iter().cloned());
+    if layout.jobs {
+        jobs::declare(&layout, &mut network);
+    }
     layout.declare(&mut network);
     let checks = checks::Checks::new(&layout, prepared)?;
     checks.declare(&mut network);
-    for part in &layout.parts {
+    if layout.jobs {
+        jobs::add(&layout, &checks, &mut network);
+    }
+    for part in layout.parts.iter().filter(|_| !layout.jobs) {
         for task in &part.tasks {
             network.processes.extend(timer::process(&layout, task, &checks));
             network.processes.push(task::process(&layout, part, task, &checks));

@@ -51,3 +51,22 @@ fn patterns() {
     let counts = compare_all(8, 1000, random::patterned);
     assert!(counts.equal > 20 || std::env::var_os("DOTGEN_SEED").is_some(), "{counts:?}");
 }
+
+/// Returns such a system under the semantics of the published models, with or without patterns.
+fn published(dice: &mut Dice) -> Texts {
+    let mut out = if dice.in_ten(3) { random::patterned(dice) } else { random::texts(dice) };
+    let lines = out.scenario.lines().map(|line| match line.trim_start().split(' ').next() {
+        Some("semantics") => "  semantics published;",
+        // Points of the servers, and their policies.
+        Some("ticks" | "turns" | "locks" | "ports" | "pause") => "",
+        _ => line,
+    });
+    out.scenario = lines.collect::<Vec<_>>().join("\n");
+    out
+}
+
+#[test]
+fn published_systems() {
+    let counts = compare_all(20, 2000, published);
+    assert!(counts.equal > 40 || std::env::var_os("DOTGEN_SEED").is_some(), "{counts:?}");
+}

@@ -419,15 +419,16 @@ impl<'s> Analysis<'s> {
     }
 
     /// Returns the jobs of another task in a window that begins at most `width` after the release of a job.
-    /// If both tasks are released at their ticks, the times since the last tick of the other one are known. A
-    /// start-up has no tick, so that it must be over.
+    /// If both tasks are released at their ticks, and their timers start at time 0, the times since the last
+    /// tick of the other one are known. A start-up has no tick, so that it must be over.
     fn in_phase(&self, task: TaskId, other: TaskId, jobs: Jobs, width: u64) -> Jobs {
         let (Kind::Punctual(response), Some(period)) = (jobs.kind, self.system.tasks[task].period)
         else {
             return jobs;
         };
         let starting = self.started[other].is_none_or(|over| over > self.first_tick(task));
-        if self.late[task] || other == task || starting {
+        let at_zero = self.starts_at_zero(task) && self.starts_at_zero(other);
+        if self.late[task] || other == task || starting || !at_zero {
             return jobs;
         }
         let (period, others) = (u64::from(period), u64::from(jobs.period));
@@ -438,6 +439,21 @@ impl<'s> Analysis<'s> {
         }
         let first = (self.first_tick(task) + others - self.first_tick(other) % others) % every;
         Jobs { kind: Kind::InPhase { response, first, every, width }, ..jobs }
+    }
+
+    /// Returns true if the timer of a task starts at time 0: the first codels of the tasks before it in its
+    /// component take no time, and wait for none.
+    fn starts_at_zero(&self, task: TaskId) -> bool {
+        let system = self.system;
+        let tasks = system.components[system.tasks[task].component].tasks.iter();
+        let mut before = tasks.take_while(|&&other| other != task);
+        before.all(|&other| {
+            system.tasks[other].permanent.is_none_or(|automaton| {
+                let machine = system.machine_of(automaton);
+                let first = &system.codels[machine.states[machine.start].codel];
+                first.upper == 0 && first.conflicts.is_empty()
+            })
+        })
     }
 
     /// Returns the time before which no job of a task begins.

@@ -131,9 +131,11 @@ impl<'c> Checks<'c> {
         let mut clocks = Vec::new();
         let tasks = self.layout.parts.iter().flat_map(|part| &part.tasks);
         for task in tasks.filter(|task| self.measures(task)) {
-            let what = format!("clock of the present job of {}: 0 a, 1 b", task.name);
-            variable(format!("measures_{}", task.name), what);
-            for (_, side) in SIDES {
+            if !self.layout.jobs {
+                let what = format!("clock of the present job of {}: 0 a, 1 b", task.name);
+                variable(format!("measures_{}", task.name), what);
+            }
+            for (_, side) in self.sides() {
                 let comment = format!("age of a job of {}", task.name);
                 clocks.push(Clock { name: format!("job_{}_{side}", task.name), comment });
             }
@@ -155,7 +157,7 @@ impl<'c> Checks<'c> {
 
     /// Returns the cases of a tick: when, updates, and a comment.
     pub(super) fn at_tick(&self, task: &TaskPart) -> Vec<(Guard, Vec<Update>, &'static str)> {
-        if !self.measures(task) {
+        if !self.measures(task) || self.layout.jobs {
             return vec![(Guard::always(), Vec::new(), "a tick")];
         }
         let measures = task.flag("measures");
@@ -195,6 +197,44 @@ impl<'c> Checks<'c> {
         let guard = all([first.is(0_usize), task.due().is(0_usize)]);
         out.push((guard, Vec::new(), "the cycle is over"));
         out
+    }
+
+    /// Returns the updates of the release of a task, with which a job of the published models begins.
+    pub(super) fn at_release(&self, task: &TaskPart) -> Option<Update> {
+        self.measures(task).then(|| Update::Reset(format!("job_{}_a", task.name)))
+    }
+
+    /// Returns the clocks of a response time: a job of the published models keeps no tick.
+    fn sides(&self) -> &'static [(usize, &'static str)] {
+        if self.layout.jobs { &SIDES[..1] } else { &SIDES }
+    }
+
+    /// Returns the clocks of the present job of a task, each with the condition that it counts while another
+    /// condition holds.
+    fn clocks(&self, task: &TaskPart, while_: &Guard) -> Vec<(Guard, String)> {
+        let of_side = |&(number, side): &(usize, &str)| {
+            let measures = match self.layout.jobs {
+                true => Guard::always(),
+                false => task.flag("measures").is(number),
+            };
+            (all([while_.clone(), measures]), format!("job_{}_{side}", task.name))
+        };
+        self.sides().iter().map(of_side).collect()
+    }
+
+    /// Returns the condition that a task has a job.
+    fn job(&self, task: &TaskPart) -> Guard {
+        let active = task.position().at_least(position::WAITS);
+        if self.layout.jobs {
+            return active;
+        }
+        let begun = all([task.position().is(position::IDLE), task.due().is(1_usize)]);
+        all([task.first().is(0_usize), any([active, begun])])
+    }
+
+    /// Returns the condition that the first cycle of a task, which is not measured, is over.
+    fn is_measured(&self, task: &TaskPart) -> Guard {
+        if self.layout.jobs { Guard::always() } else { task.first().is(0_usize) }
     }
 
     fn conditions(&self) -> Conditions<'_> {
@@ -255,20 +295,20 @@ impl<'c> Checks<'c> {
                 let task = self.layout.task(TaskId::from(*task));
                 let missed = all([
                     task.due().is(1_usize),
-                    task.first().is(0_usize),
+                    self.is_measured(task),
                     task.position().at_least(position::WAITS),
                 ]);
                 vec![("looks", missed, None)]
             }
             Question::NoOverdue(task) => {
                 let task = self.layout.task(TaskId::from(*task));
-                let waits = all([task.position().is(position::WAITS), task.first().is(0_usize)]);
+                let waits = all([task.position().is(position::WAITS), self.is_measured(task)]);
                 let period = task.period.unwrap_or(0);
                 self.jobs(task, &waits, Relation::AtLeast, period)
             }
             Question::Response(task, Some(limit)) => {
                 let task = self.layout.task(TaskId::from(*task));
-                self.jobs(task, &job(task), Relation::Greater, i64::from(*limit))
+                self.jobs(task, &self.job(task), Relation::Greater, i64::from(*limit))
             }
             Question::Within(_, _, Some(limit)) => {
                 let late = |(open, clock): (Guard, String)| {
@@ -301,12 +341,9 @@ impl<'c> Checks<'c> {
         relation: Relation,
         value: i64,
     ) -> Vec<(&'static str, Guard, Option<ClockGuard>)> {
-        let side = |(number, side): (usize, &str)| {
-            let guard = all([while_.clone(), task.flag("measures").is(number)]);
-            let clock = format!("job_{}_{side}", task.name);
-            (CALM, guard, Some(ClockGuard { clock, relation, value }))
-        };
-        SIDES.map(side).to_vec()
+        let clocks = self.clocks(task, while_).into_iter();
+        let guard = |(guard, clock)| (CALM, guard, Some(ClockGuard { clock, relation, value }));
+        clocks.map(guard).collect()
     }
 
     /// Returns the queries of all checks.
@@ -332,12 +369,8 @@ impl<'c> Checks<'c> {
                         add(QueryKind::Never { process, location }, "holds if it is never reached");
                     }
                     let task = self.layout.task(TaskId::from(*task));
-                    let side = |(number, side): (usize, &str)| {
-                        let guard = all([job(task), task.flag("measures").is(number)]);
-                        (guard, format!("job_{}_{side}", task.name))
-                    };
-                    let sides = SIDES.map(side).to_vec();
-                    add(QueryKind::Greatest(sides), "the response time is the greater value");
+                    let clocks = self.clocks(task, &self.job(task));
+                    add(QueryKind::Greatest(clocks), "the response time is the greater value");
                 }
                 Question::Within(_, _, limit) => {
                     if limit.is_some() {
@@ -362,13 +395,6 @@ fn has_limit(check: &PreparedCheck) -> bool {
         check.question,
         Question::NoOverdue(_) | Question::Response(_, Some(_)) | Question::Within(_, _, Some(_))
     )
-}
-
-/// Returns the condition that a task has a job.
-fn job(task: &TaskPart) -> Guard {
-    let begun = all([task.position().is(position::IDLE), task.due().is(1_usize)]);
-    let active = any([task.position().at_least(position::WAITS), begun]);
-    all([task.first().is(0_usize), active])
 }
 
 /// Collects the atoms of a predicate.

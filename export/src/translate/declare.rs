@@ -13,19 +13,23 @@ impl Layout<'_> {
             let comment = comment.to_owned();
             network.variables.push(Variable { name, size, most: most as i64, comment });
         };
-        for part in &self.parts {
+        for part in self.parts.iter().filter(|_| !self.jobs) {
             self.declare_part(part, &mut declare);
         }
         if self.cores().is_some() {
             let tasks = self.system.tasks.len();
             declare("cores_used".into(), None, tasks, "number of cores in use");
-            if self.is_fifo() {
+            if self.queues_for_cores() {
                 let what = "tasks that wait for a core, in order (numbers from 1); 0: none";
                 declare("core_queue".into(), Some(tasks + 1), tasks, what);
                 declare("core_waiting".into(), None, tasks, "number of tasks that wait for a core");
             }
         }
-        let places: usize = self.parts.iter().map(|part| part.size).sum();
+        let places = if self.jobs {
+            self.system.automata.len()
+        } else {
+            self.parts.iter().map(|part| part.size).sum()
+        };
         for (id, client) in self.system.clients.iter_enumerated() {
             let name = self.client_name(id);
             let what = "step of the client";
@@ -38,7 +42,7 @@ impl Layout<'_> {
         }
         let mut clock =
             |name: String, comment: String| network.clocks.push(Clock { name, comment });
-        for part in &self.parts {
+        for part in self.parts.iter().filter(|_| !self.jobs) {
             for task in &part.tasks {
                 if task.period.is_some() {
                     clock(task.timer(), format!("time since the last tick of {}", task.name));
@@ -183,7 +187,7 @@ impl Layout<'_> {
     /// Returns the updates that lead to the state at time 0.
     pub(super) fn beginning(&self) -> Vec<Update> {
         let mut out = Vec::new();
-        for part in &self.parts {
+        for part in self.parts.iter().filter(|_| !self.jobs) {
             for task in &part.tasks {
                 let kind =
                     part.kinds.iter().find(|kind| kind.service.is_none() && kind.task == task.id);

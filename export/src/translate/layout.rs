@@ -54,9 +54,13 @@ pub(super) struct Layout<'s> {
     /// The system whose loops are not unfolded.
     original: &'s TimedSystem,
     place: &'s Place<'s>,
+    /// The published models: see [`jobs`](super::jobs).
+    pub(super) jobs: bool,
     pub(super) parts: Vec<Part>,
-    /// By codel, the name of its executor.
-    executors: Vec<Option<String>>,
+    /// By codel, the names of its executors: one at most, but for jobs.
+    executors: Vec<Vec<String>>,
+    /// By automaton, the name of its process; with jobs only.
+    automata: Vec<String>,
     /// By client, and by service.
     clients: Vec<String>,
     services: Vec<String>,
@@ -132,6 +136,17 @@ impl<'s> Layout<'s> {
             parts.push(part);
         }
         let mut clients = Vec::new();
+        let mut automata = Vec::new();
+        for (id, automaton) in system.automata.iter_enumerated() {
+            if system.platform.semantics.is_published() {
+                let name = &system.machine_of(id).name;
+                let what = match automaton.service {
+                    Some(_) => format!("a place of `{name}`"),
+                    None => format!("the permanent activity of `{name}`"),
+                };
+                automata.push(executors.take(&format!("{name}_run"), &what));
+            }
+        }
         for client in &system.clients {
             clients.push(executors.take(&client.name, &format!("the client `{}`", client.name)));
         }
@@ -139,8 +154,10 @@ impl<'s> Layout<'s> {
             system,
             original,
             place,
+            jobs: system.platform.semantics.is_published(),
             parts,
-            executors: vec![None; system.codels.len()],
+            executors: vec![Vec::new(); system.codels.len()],
+            automata,
             clients,
             services: Vec::new(),
             requests: BTreeMap::new(),
@@ -162,16 +179,25 @@ impl<'s> Layout<'s> {
         }
         out.renamed =
             [executors, services, channels].into_iter().flat_map(|unique| unique.renamed).collect();
+        let requested = system.requested();
+        for (id, name) in system.automata.keys().zip(&out.automata) {
+            if system.automata[id].service.is_some_and(|of| !requested[of]) {
+                continue;
+            }
+            for state in &system.machine_of(id).states {
+                out.executors[usize::from(state.codel)].push(name.clone());
+            }
+        }
         for part in &out.parts {
-            for kind in &part.kinds {
+            for kind in part.kinds.iter().filter(|_| !out.jobs) {
                 let machine = kind.automaton.map(|automaton| system.machine_of(automaton));
                 let name = &part.task(kind.task).name;
                 for state in machine.iter().flat_map(|machine| &machine.states) {
-                    out.executors[usize::from(state.codel)] = Some(name.clone());
+                    out.executors[usize::from(state.codel)] = vec![name.clone()];
                 }
             }
             for &codel in part.services.iter().flat_map(|(_, codels)| codels) {
-                out.executors[usize::from(codel)] = Some(part.name.clone());
+                out.executors[usize::from(codel)] = vec![part.name.clone()];
             }
         }
         let waits: Vec<bool> = out.parts.iter().map(|part| out.waits(part)).collect();
@@ -215,26 +241,31 @@ impl<'s> Layout<'s> {
         let executors = part.tasks.len() + usize::from(part.has_control_codels());
         let codels = self.system.codels.iter_enumerated();
         let mut own = codels.filter(|(_, codel)| codel.component == part.id);
-        executors > 1 || own.any(|(codel, _)| !self.blocked(codel).is_empty())
+        executors > 1
+            || own.any(|(codel, _)| {
+                let executor = self.executors(codel).first();
+                executor.is_some_and(|executor| !self.blocked(codel, executor).is_empty())
+            })
     }
 
-    /// Returns the conditions under which a codel must wait, once it is first in its queue.
-    pub(super) fn blocked(&self, codel: CodelId) -> Vec<Guard> {
-        let own = &self.executors[usize::from(codel)];
+    /// Returns the conditions under which an executor must wait for the locks of a codel, once it is first in
+    /// its queue.
+    pub(super) fn blocked(&self, codel: CodelId, executor: &str) -> Vec<Guard> {
         let mut out = Vec::new();
         for other in self.system.codels[codel].conflicts.iter() {
-            if let Some(executor) = &self.executors[usize::from(other)]
-                && Some(executor) != own.as_ref()
-            {
-                out.push(executed(executor).is(number(other)));
-            }
+            let others = self.executors(other).iter().filter(|name| *name != executor);
+            out.extend(others.map(|name| executed(name).is(number(other))));
         }
         out
     }
 
-    /// Returns the name of a codel's executor; `None` if the codel is never executed.
-    pub(super) fn executor(&self, codel: CodelId) -> Option<&String> {
-        self.executors[usize::from(codel)].as_ref()
+    /// Returns the names of a codel's executors; none if the codel is never executed.
+    pub(super) fn executors(&self, codel: CodelId) -> &[String] {
+        &self.executors[usize::from(codel)]
+    }
+
+    pub(super) fn automaton_name(&self, id: AutomatonId) -> &str {
+        &self.automata[usize::from(id)]
     }
 
     /// Returns the condition under which the first in a component's lock queue can begin its codel.
@@ -243,7 +274,7 @@ impl<'s> Layout<'s> {
         for (executor, name, codels) in self.executors_of(part) {
             let mut guards = vec![part.lock_queue(0_usize).is(executor)];
             for codel in codels {
-                let blocked = self.blocked(codel);
+                let blocked = self.blocked(codel, &name);
                 if !blocked.is_empty() {
                     let free = blocked.iter().map(Guard::negated);
                     guards.push(any([wanted(&name).is_not(number(codel)), all(free)]));
@@ -275,15 +306,16 @@ impl<'s> Layout<'s> {
         kind.automaton.map(|automaton| self.system.machine_of(automaton))
     }
 
-    /// Returns the action that ends a codel of a task with a yield, or without one by an exception. `state`
-    /// is its state in the machine of a kind.
+    /// Returns the action that ends a codel with a yield, or without one by an exception. `state` is its
+    /// state in the machine of an automaton, which is executed by the executor with a number.
     pub(super) fn end_of_codel(
         &self,
-        kind: &Kind,
+        (automaton, executor): (AutomatonId, usize),
         state: usize,
         by: Option<Yield>,
     ) -> Option<Action> {
-        let (machine, original) = (self.machine(kind)?, self.original.machine_of(kind.automaton?));
+        let machine = self.system.machine_of(automaton);
+        let original = self.original.machine_of(automaton);
         let states = &original.states;
         // Copies of a state come after the states of the machine.
         let of = |state: usize| match states.get(state) {
@@ -296,17 +328,22 @@ impl<'s> Layout<'s> {
             (own, by) => Some(*own) == by,
         };
         let outcome = by.map_or(Some(yields.len()), |_| yields.iter().position(is_same))?;
-        Some(Action::Finish { executor: kind.task.into(), outcome })
+        Some(Action::Finish { executor, outcome })
     }
 
     /// Returns the number of the executor of a control task.
     pub(super) fn control_executor(&self, part: &Part) -> usize {
-        self.system.tasks.len() + usize::from(part.id)
+        self.threads() + usize::from(part.id)
+    }
+
+    /// Returns the number of executors of state machines.
+    fn threads(&self) -> usize {
+        if self.jobs { self.system.automata.len() } else { self.system.tasks.len() }
     }
 
     /// Returns the number of the executor of a client.
     pub(super) fn client_executor(&self, client: ClientId) -> usize {
-        self.system.tasks.len() + self.system.components.len() + usize::from(client)
+        self.threads() + self.system.components.len() + usize::from(client)
     }
 
     /// Returns the component and the kind of a service's activities.
@@ -331,6 +368,11 @@ impl<'s> Layout<'s> {
 
     pub(super) fn is_fifo(&self) -> bool {
         self.system.platform.policy == Policy::Fifo
+    }
+
+    /// Returns true if tasks get cores in the order of a queue.
+    pub(super) fn queues_for_cores(&self) -> bool {
+        self.cores().is_some() && matches!(self.system.platform.policy, Policy::Fifo | Policy::Edf)
     }
 
     /// Returns true if some request is tested for the success of a service.

@@ -5,6 +5,7 @@ use dotgen_timing::system::CodelId;
 
 use crate::model::{Guard, all, any, var};
 
+use super::jobs;
 use super::layout::{Layout, executed, number, position, status, step, wanted};
 
 /// Predicates as conditions of a network in which variables hold the values before the last action.
@@ -75,6 +76,7 @@ pub(super) fn atom(layout: &Layout, atom: &Atom) -> Guard {
             let codel = layout.system.machines[*machine].states[*state].codel;
             in_phase(layout, codel, *phase)
         }
+        Atom::Slot(service, of) if layout.jobs => jobs::has_status(layout, *service, *of),
         Atom::Slot(service, of) => {
             let Some((part, kind)) = layout.kind_of(*service) else {
                 return if *of == SlotStatus::Void { Guard::always() } else { any([]) };
@@ -106,7 +108,7 @@ pub(super) fn atom(layout: &Layout, atom: &Atom) -> Guard {
         }
         Atom::ControlBusy(component) => {
             let part = layout.part(*component);
-            if part.control {
+            if part.control || layout.jobs {
                 part.step().is_not(step::READY)
             } else if part.tasks.is_empty() {
                 any([])
@@ -125,13 +127,10 @@ pub(super) fn atom(layout: &Layout, atom: &Atom) -> Guard {
 
 /// Returns the condition that an executor has a codel: waiting, executing, or either.
 fn in_phase(layout: &Layout, codel: CodelId, phase: StatePhase) -> Guard {
-    let Some(executor) = layout.executor(codel) else {
-        return any([]);
-    };
     let number = number(codel);
-    match phase {
+    any(layout.executors(codel).iter().map(|executor| match phase {
         StatePhase::Exec => executed(executor).is(number),
         StatePhase::Any => wanted(executor).is(number),
         StatePhase::Lock => all([wanted(executor).is(number), executed(executor).is_not(number)]),
-    }
+    }))
 }

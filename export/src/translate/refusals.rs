@@ -3,7 +3,7 @@
 use std::fmt;
 
 use dotgen_timing::property::predicate::Atom;
-use dotgen_timing::scn::semantics::Semantics;
+use dotgen_timing::scn::semantics::{LockRule, Semantics};
 use dotgen_timing::system::{ClientAction, Policy};
 use dotgen_timing::verify::Prepared;
 
@@ -43,11 +43,18 @@ pub(super) fn of_system(prepared: &Prepared) -> Vec<Refusal> {
         out.push(Refusal::new("a scenario with errors", None));
     }
     let (own, servers) = (system.platform.semantics, Semantics::SERVERS);
-    if (Semantics { preset: servers.preset, ports: servers.ports, ..own }) != servers {
+    let is_servers = Semantics { preset: servers.preset, ports: servers.ports, ..own } == servers;
+    let is_published = own.is_published() && own.locks == LockRule::Free;
+    if !is_servers && !is_published {
         out.push(Refusal::new(&format!("semantics {}", own.text()), None));
     }
     let policy = system.platform.policy;
-    if system.platform.cores.is_some() && !matches!(policy, Policy::Fifo | Policy::Any) {
+    let known = match policy {
+        Policy::Fifo | Policy::Any => true,
+        Policy::Edf => is_published,
+        Policy::Priority | Policy::Fair => false,
+    };
+    if system.platform.cores.is_some() && !known {
         out.push(Refusal::new(&format!("policy {policy:?}").to_lowercase(), None));
     }
     for machine in system.machines.iter().filter(|_| system.platform.async_free) {
@@ -92,7 +99,7 @@ pub(super) fn of_system(prepared: &Prepared) -> Vec<Refusal> {
 pub(super) fn of_atom(layout: &Layout, atom: &Atom, check: &str) -> Option<Refusal> {
     let system = layout.system;
     let construct = match atom {
-        Atom::ControlBusy(component) if !layout.part(*component).notes_start() => {
+        Atom::ControlBusy(component) if !layout.jobs && !layout.part(*component).notes_start() => {
             format!("control task of {}", system.components[*component].name)
         }
         Atom::Tick(task) => format!("{}.tick", system.task_path(*task)),

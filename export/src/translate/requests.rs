@@ -153,7 +153,8 @@ impl Writer<'_> {
             let mut begin = Edge::new(&queued, &executes, format!("begins {}", codel.path))
                 .begins(Action::Acquire { executor });
             if part.queue {
-                let free: Vec<Guard> = layout.blocked(id).iter().map(Guard::negated).collect();
+                let free: Vec<Guard> =
+                    layout.blocked(id, &part.name).iter().map(Guard::negated).collect();
                 begin = begin.when(all([part.lock_queue(0_usize).is(queues), all(free)]));
             }
             let executing = part.own("codel").set(number(id));

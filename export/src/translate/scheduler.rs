@@ -13,7 +13,10 @@ pub(super) fn process(layout: &Layout, checks: &Checks) -> Process {
     let mut out = Process::new(SCHEDULER, "what follows an action at once, and when time may pass");
     let first = checks.first_location();
     out.location("prepares", LocationKind::Committed, "before time 0");
-    let edge = Edge::new("prepares", &first, "the state at time 0");
+    let mut edge = Edge::new("prepares", &first, "the state at time 0");
+    if layout.jobs {
+        edge = edge.when(layout.has_booted());
+    }
     out.edge(edge.with(layout.beginning()));
     checks.observe(&mut out);
     let comment = "clients proceed, then tasks ask for a core, then cores are granted";
@@ -21,10 +24,15 @@ pub(super) fn process(layout: &Layout, checks: &Checks) -> Process {
     out.location("busy", LocationKind::Urgent, "time does not pass");
     out.location(CALM, LocationKind::Normal, "time may pass");
     let proceeds = any(layout.system.clients.keys().map(|client| proceeds(layout, client)));
-    let asks = any(layout.parts.iter().flat_map(|part| {
-        let tasks = part.tasks.iter().filter(|task| task.needs_core);
-        tasks.map(|task| all([task.begins(), task.could_run(part)]))
-    }));
+    let [asks, begins] = if layout.jobs {
+        layout.releases()
+    } else {
+        let asks = layout.parts.iter().flat_map(|part| {
+            let tasks = part.tasks.iter().filter(|task| task.needs_core);
+            tasks.map(|task| all([task.begins(), task.could_run(part)]))
+        });
+        [any(asks), any([])]
+    };
     let grants = grants(layout);
     if !layout.system.clients.is_empty() {
         let edge = Edge::new("settles", &first, "a client proceeds").sends("proceed");
@@ -34,11 +42,16 @@ pub(super) fn process(layout: &Layout, checks: &Checks) -> Process {
         let edge = Edge::new("settles", &first, "a task asks for a core").sends("ask");
         out.edge(edge.when(proceeds.negated()));
         let edge = Edge::new("settles", "busy", "a task gets a core").sends("grant");
-        let ready = all([proceeds.negated(), asks.negated(), grants.clone()]);
-        out.edge(edge.when(ready));
+        let ready = [proceeds.negated(), asks.negated(), begins.negated(), grants.clone()];
+        out.edge(edge.when(all(ready)));
+    }
+    if layout.jobs {
+        let edge = Edge::new("settles", "busy", "a task begins a cycle").sends("begin");
+        out.edge(edge.when(proceeds.negated()));
     }
     let edge = Edge::new("settles", "busy", "nothing more follows at once");
-    out.edge(edge.when(all([proceeds.negated(), asks.negated(), grants.negated()])));
+    let settled = [proceeds, asks, begins, grants].map(|guard| guard.negated());
+    out.edge(edge.when(all(settled)));
     let edge = Edge::new("busy", CALM, "no action must happen before time passes");
     out.edge(edge.when(urgent(layout).negated()));
     for source in ["busy", CALM] {
@@ -54,7 +67,7 @@ fn grants(layout: &Layout) -> Guard {
         return any([]);
     };
     let free = var("cores_used").below(cores);
-    let waits = if layout.is_fifo() {
+    let waits = if layout.queues_for_cores() {
         var("core_waiting").at_least(1_usize)
     } else {
         let tasks = layout.parts.iter().flat_map(|part| &part.tasks);
@@ -68,7 +81,10 @@ fn grants(layout: &Layout) -> Guard {
 /// locations and those that invariants enforce.
 fn urgent(layout: &Layout) -> Guard {
     let mut out = Vec::new();
-    for part in &layout.parts {
+    if layout.jobs {
+        out.push(layout.must_act());
+    }
+    for part in layout.parts.iter().filter(|_| !layout.jobs) {
         out.extend(part.tasks.iter().map(super::layout::TaskPart::begins));
         if part.queue {
             out.push(layout.first_can_begin(part));
@@ -86,7 +102,7 @@ fn urgent(layout: &Layout) -> Guard {
             out.push(all([
                 layout.client_step(id).is(at),
                 layout.outstanding(id).is(0_usize),
-                part.step().is(step::READY),
+                if layout.jobs { part.takes_requests() } else { part.step().is(step::READY) },
             ]));
         }
     }

@@ -351,8 +351,12 @@ impl<'w> Writer<'w> {
             }
             if self.part.queue {
                 let first = self.part.lock_queue(0_usize).is(self.task.executor());
-                let free =
-                    self.layout.blocked(state.codel).iter().map(Guard::negated).collect::<Vec<_>>();
+                let free = self
+                    .layout
+                    .blocked(state.codel, &self.task.name)
+                    .iter()
+                    .map(Guard::negated)
+                    .collect::<Vec<_>>();
                 begin = begin.when(all([first, all(free)]));
             }
             let executes = self.task.flag("codel").set(number(state.codel));
@@ -404,7 +408,8 @@ impl<'w> Writer<'w> {
         };
         let edge = Edge::new(location, "proceeds", format!("ends with {what}"));
         let mut edge = edge.when_clock(&self.task.clock(), Relation::AtLeast, codel.lower);
-        edge.action = self.layout.end_of_codel(kind, state, by);
+        edge.action = (kind.automaton)
+            .and_then(|id| self.layout.end_of_codel((id, self.executor()), state, by));
         let executor = [self.task.flag("codel").set(0_usize), wanted(&self.task.name).set(0_usize)];
         self.out.edge(edge.with(executor).with(updates).with([self.next_place()]));
     }

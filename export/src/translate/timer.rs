@@ -21,7 +21,7 @@ pub(super) fn process(layout: &Layout, task: &TaskPart, checks: &Checks) -> Opti
             layout.time(delay)
         ),
     );
-    let mut add = |name: &str, most: i64, comment: &str| {
+    let add = |out: &mut Process, name: &str, most: i64, comment: &str| {
         out.location(name, LocationKind::Normal, comment);
         if let Some(location) = out.locations.last_mut() {
             location.invariant = Some((clock.clone(), most));
@@ -34,9 +34,24 @@ pub(super) fn process(layout: &Layout, task: &TaskPart, checks: &Checks) -> Opti
             out.edges.push(edge.sends("step").with(updates).with(tick));
         }
     };
-    if delay > 0 {
-        add("first", delay, "before the first tick, which comes after the delay");
+    if layout.jobs {
+        // The timer starts with its task.
+        out.location("off", LocationKind::Normal, "before the start of the task");
+        let first = if delay > 0 { "first" } else { "later" };
+        let start = Edge::new("off", first, "starts");
+        let start = start.receives(&format!("start_{}", task.name));
+        out.edge(start.with([Update::Reset(clock.clone())]));
+        if delay > 0 {
+            add(
+                &mut out,
+                "first",
+                period + delay,
+                "before the first tick, a period after the delay",
+            );
+        }
+    } else if delay > 0 {
+        add(&mut out, "first", delay, "before the first tick, which comes after the delay");
     }
-    add("later", period, "before a tick, which comes one period after the last");
+    add(&mut out, "later", period, "before a tick, which comes one period after the last");
     Some(out)
 }

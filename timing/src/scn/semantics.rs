@@ -165,7 +165,7 @@ impl Semantics {
 
     /// Returns true if all points are those of the published models, which have their own rules, with either
     /// of the two orders of locks that these rules support.
-    pub(crate) fn is_published(self) -> bool {
+    pub fn is_published(self) -> bool {
         let locks = self.locks;
         locks != LockRule::Queue && self == Semantics { locks, ..Semantics::PUBLISHED }
     }

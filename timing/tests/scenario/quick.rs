@@ -401,3 +401,16 @@ fn a_task_that_may_throw_has_no_bound_on_a_reaction() {
     let throws = CHAIN.replace("period 10 ms;", "period 10 ms; throw broken;");
     assert_ne!(reaction(&throws), Verdict::Proved);
 }
+
+/// Found by reading exported models back: the task `t2`, whose timer starts after the first codel of `t0`,
+/// was said to meet no job of `t0`.
+#[test]
+fn a_timer_that_starts_after_a_codel_has_no_known_phase() {
+    let text = "component c { ids { long f; };
+        task t0 { period 3 ms; codel<start> a() yield pause::start wcet 1 ms; };
+        task t1 { period 3 ms; }; task t2 { period 6 ms; delay 2 ms; }; };";
+    assert_eq!(
+        bounds(text, "unit 1 ms; cores 1; policy edf; durations interval;"),
+        "c.t0 1\nc.t1 1\nc.t2 1\n"
+    );
+}
