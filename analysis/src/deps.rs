@@ -206,13 +206,13 @@ fn includes(db: &dyn Db, unit: UnitKey<'_>) -> Vec<Include> {
 
 fn interfaces(spec: &Spec, locations: &UnitLocations) -> Vec<Interface> {
     let mut out: Vec<Interface> = Vec::new();
-    for (index, component) in (0u32..).zip(&spec.components) {
+    for (index, component) in spec.components.iter_enumerated() {
         if component.kind != ComponentKind::Component {
             continue;
         }
         let lists = [&component.provides, &component.uses, &component.extends];
         for &interface in lists.into_iter().flatten() {
-            let interface = &spec.components[interface as usize];
+            let interface = &spec.components[interface];
             out.push(Interface {
                 name: interface.name.clone(),
                 component: component.name.clone(),

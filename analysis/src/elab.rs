@@ -39,7 +39,7 @@ use smol_str::SmolStr;
 use crate::{
     finding::Finding,
     item_tree::ItemTree,
-    model::{Component, Spec, Src, TypeId},
+    model::{Component, ComponentId, Spec, Src, TypeId},
     release::Release,
 };
 
@@ -151,15 +151,15 @@ pub struct Definition {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Entity {
     /// Index into [`Spec::components`].
-    Component(u32),
+    Component(ComponentId),
     /// Component, index into its tasks.
-    Task(u32, u32),
+    Task(ComponentId, u32),
     /// Component, index into its ports.
-    Port(u32, u32),
+    Port(ComponentId, u32),
     /// Component, index into its services.
-    Service(u32, u32),
+    Service(ComponentId, u32),
     /// Component, index into its services, index into the parameters of that service.
-    Param(u32, u32, u32),
+    Param(ComponentId, u32, u32),
 }
 
 /// A use of a name.
@@ -172,7 +172,7 @@ pub struct Reference {
     /// The access of a codel or attribute.
     pub access: AccessKind,
     /// The component or interface that contains it.
-    pub component: Option<u32>,
+    pub component: Option<ComponentId>,
 }
 
 /// The access of a reference to its target.
@@ -191,7 +191,7 @@ pub enum AccessKind {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BodyEnd {
     /// Index into [`Spec::components`].
-    pub component: u32,
+    pub component: ComponentId,
     /// The state of the component at this end, if it was reopened later; otherwise see the [`Spec`].
     pub snapshot: Option<Box<Component>>,
 }

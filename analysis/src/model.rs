@@ -10,6 +10,7 @@
 
 pub mod fsm;
 pub mod gaps;
+mod ids;
 pub mod layout;
 pub mod mutex;
 mod owner;
@@ -23,9 +24,11 @@ mod words;
 use num_rational::Ratio;
 use serde::{Deserialize, Serialize};
 use smol_str::SmolStr;
+use typed_index_collections::TiVec;
 
 use crate::release::Release;
 pub use gaps::{Gap, Missing, SourceKind, UnknownDependencies};
+pub use ids::ComponentId;
 pub use owner::OwnerName;
 pub use types::{Label, Scope, ScopeKind, Type, TypeId, TypeKind, Value};
 
@@ -59,7 +62,7 @@ pub struct Spec {
     /// twice (a forward declaration and its definition) has two entries.
     pub types: Vec<Type>,
     /// Components and interfaces, in order of first declaration.
-    pub components: Vec<Component>,
+    pub components: TiVec<ComponentId, Component>,
     /// Packages of all `#pragma requires`, in order, without repetition.
     pub pragma_requires: Vec<String>,
     /// The bodies of components and interfaces, in order.
@@ -73,9 +76,9 @@ pub struct Spec {
     /// Types declared by a stand-in, in order: their members are invented, so any member may exist.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub open: Vec<TypeId>,
-    /// Interfaces declared by a stand-in, as indices into [`Spec::components`]: what they declare is unknown.
+    /// Interfaces declared by a stand-in: what they declare is unknown.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub stand_ins: Vec<u32>,
+    pub stand_ins: Vec<ComponentId>,
 }
 
 /// A part of the text in the body of a component or interface.
@@ -84,15 +87,13 @@ pub struct Body {
     pub visit: u32,
     /// The top-level item of the visit; `None` for the whole of a file that is included in the body.
     pub item: Option<u32>,
-    /// Index into [`Spec::components`].
-    pub component: u32,
+    pub component: ComponentId,
 }
 
 /// One declaration of a task or service.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct OwnerBody {
-    /// Index into [`Spec::components`].
-    pub component: u32,
+    pub component: ComponentId,
     /// The task or service.
     pub owner: Owner,
     /// The whole declaration.
@@ -145,13 +146,12 @@ pub struct Component {
     pub stack: Option<Quantity>,
     /// The ids structure.
     pub ids: Option<TypeId>,
-    /// Interfaces named by `provides` (also by pragma), `uses`, `extends`: indexes into
-    /// [`Spec::components`].
-    pub provides: Vec<u32>,
+    /// Interfaces named by `provides` (also by pragma), `uses`, `extends`.
+    pub provides: Vec<ComponentId>,
     /// See [`Component::provides`].
-    pub uses: Vec<u32>,
+    pub uses: Vec<ComponentId>,
     /// See [`Component::provides`].
-    pub extends: Vec<u32>,
+    pub extends: Vec<ComponentId>,
     /// Exceptions thrown by all services (the component's own `throws`).
     pub throws: Vec<TypeId>,
     /// Execution tasks.
@@ -183,7 +183,7 @@ pub struct Task {
     /// The state machine of the permanent activity.
     pub codels: Vec<Codel>,
     /// The interface it was imported from, if any.
-    pub imported_from: Option<u32>,
+    pub imported_from: Option<ComponentId>,
 }
 
 /// Direction of a port.
@@ -209,7 +209,7 @@ pub struct Port {
     /// `doc`
     pub doc: Option<String>,
     /// The interface it was imported from, if any.
-    pub imported_from: Option<u32>,
+    pub imported_from: Option<ComponentId>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -253,7 +253,7 @@ pub struct Service {
     /// `after`
     pub after: ServiceList,
     /// The interface it was imported from, if any.
-    pub imported_from: Option<u32>,
+    pub imported_from: Option<ComponentId>,
 }
 
 /// A service of an interface that the component uses.
@@ -267,8 +267,8 @@ pub struct Remote {
     pub params: Vec<Param>,
     /// The type object of the remote.
     pub ty: TypeId,
-    /// The interface it comes from: index into [`Spec::components`].
-    pub interface: u32,
+    /// The interface it comes from.
+    pub interface: ComponentId,
     /// The service of that interface: index into [`Component::services`].
     pub service: u32,
     /// Exceptions: providing interface, its task, the service.
@@ -448,7 +448,7 @@ impl Spec {
     }
 
     /// The component or interface whose body contains a node.
-    pub fn body_of(&self, src: Src) -> Option<u32> {
+    pub fn body_of(&self, src: Src) -> Option<ComponentId> {
         // Parts created with a component have the place of its name, which is not in any body.
         if self.components.iter().any(|component| component.src == src) {
             return None;

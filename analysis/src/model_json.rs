@@ -10,15 +10,15 @@ use serde_json::{Map, Value as Json, json};
 
 use crate::{
     model::{
-        Codel, CodelKind, Component, Label, Owner, Quantity, ServiceList, Spec, Src, State, Task,
-        Type, TypeId, TypeKind, Value, layout::max_size,
+        Codel, CodelKind, Component, ComponentId, Label, Owner, Quantity, ServiceList, Spec, Src,
+        State, Task, Type, TypeId, TypeKind, Value, layout::max_size,
     },
     source_map::Locations,
 };
 
 /// Prototypes of a codel of a component (by index), by language; the mapping of types to languages is in
 /// another crate.
-pub type Prototypes<'a> = dyn Fn(u32, &Codel) -> Map<String, Json> + 'a;
+pub type Prototypes<'a> = dyn Fn(ComponentId, &Codel) -> Map<String, Json> + 'a;
 
 /// The document of a whole unit. Without `locations`, it contains no places.
 pub fn to_json(spec: &Spec, locations: Option<&dyn Locations>) -> Json {
@@ -110,7 +110,7 @@ impl Writer<'_> {
         ] {
             let names: Vec<&str> = list
                 .iter()
-                .filter_map(|number| self.spec.components.get(*number as usize))
+                .filter_map(|number| self.spec.components.get(*number))
                 .map(|component| component.name.as_str())
                 .collect();
             if !names.is_empty() {
@@ -195,7 +195,7 @@ impl Writer<'_> {
         out.put("kind", json!(remote.kind));
         let params = remote.params.iter().map(|param| self.param(component, None, param));
         out.put("params", params.collect::<Vec<_>>());
-        let interface = self.spec.components.get(remote.interface as usize);
+        let interface = self.spec.components.get(remote.interface);
         out.put_some("interface", interface.map(|interface| interface.name.as_str()));
         out.put("throws", self.names_of(&remote.throws));
         self.place(&mut out, remote.src);
@@ -321,9 +321,8 @@ impl Writer<'_> {
 
     // Places
 
-    fn origin(&self, out: &mut Object, interface: Option<u32>) {
-        let interface =
-            interface.and_then(|interface| self.spec.components.get(interface as usize));
+    fn origin(&self, out: &mut Object, interface: Option<ComponentId>) {
+        let interface = interface.and_then(|interface| self.spec.components.get(interface));
         out.put_some("imported-from", interface.map(|interface| interface.name.as_str()));
     }
 

@@ -95,7 +95,7 @@ pub(crate) fn body_findings<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Bod
     let mut found = BodyFindings::default();
     for (index, end) in closings.iter().enumerate() {
         db.unwind_if_revision_cancelled();
-        let last = spec.components.get(end.component as usize);
+        let last = spec.components.get(end.component);
         let Some(component) = end.snapshot.as_deref().or(last) else {
             continue;
         };

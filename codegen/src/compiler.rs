@@ -178,10 +178,10 @@ fn share_throws(spec: &mut Arc<Spec>) {
     for component in &spec.components {
         for service in &component.services {
             let theirs = service.imported_from.and_then(|interface| {
-                let services = spec.components[interface as usize].services.iter();
+                let services = spec.components[interface].services.iter();
                 let mut services = (0usize..).zip(services);
                 let (index, service) = services.find(|other| other.1.name == service.name)?;
-                (!service.throws.is_empty()).then_some((interface as usize, index, &service.throws))
+                (!service.throws.is_empty()).then_some((interface, index, &service.throws))
             });
             let Some((interface, index, throws)) = theirs else {
                 continue;
@@ -196,10 +196,10 @@ fn share_throws(spec: &mut Arc<Spec>) {
     let spec = Arc::make_mut(spec);
     for (interface, index, exception) in additions {
         let name = spec.components[interface].services[index].name.clone();
-        for (at, component) in spec.components.iter_mut().enumerate() {
+        for (at, component) in spec.components.iter_mut_enumerated() {
             let shares = component.services.iter_mut().filter(|service| {
                 service.name == name
-                    && (at == interface || service.imported_from == Some(interface as u32))
+                    && (at == interface || service.imported_from == Some(interface))
             });
             for service in shares.filter(|share| !share.throws.contains(&exception)) {
                 service.throws.push(exception);

@@ -18,8 +18,8 @@ mod prototypes;
 pub mod text;
 
 use dotgen_analysis::model::{
-    CodelRef, Component, Name, Param, ParamDir, ParamSource, Port, PortDir, Remote, Spec, Src,
-    TypeId, TypeKind,
+    CodelRef, Component, ComponentId, Name, Param, ParamDir, ParamSource, Port, PortDir, Remote,
+    Spec, Src, TypeId, TypeKind,
 };
 use dotgen_analysis::release::Change;
 
@@ -186,7 +186,7 @@ pub enum MapObject {
     /// A type object.
     Type(TypeId),
     /// A codel of a component (index into [`Spec::components`]).
-    Codel(u32, CodelRef),
+    Codel(ComponentId, CodelRef),
 }
 
 /// The name of a type whose name is not known.
@@ -496,7 +496,7 @@ impl<'a> Mapper<'a> {
             }
             TypeKind::PauseEvent => "pause",
             TypeKind::Remote { component, remote } => {
-                let remote = &self.spec.components[*component as usize].remotes[*remote as usize];
+                let remote = &self.spec.components[*component].remotes[*remote as usize];
                 remote.kind.word()
             }
             _ => return self.places.place(known_type.src, Anchor::First),
@@ -527,8 +527,8 @@ impl<'a> Mapper<'a> {
 
 /// The type a parameter's path starts from, and its own. Ports and remotes are passed as objects: they have
 /// their own types, for any data type.
-pub fn param_types(spec: &Spec, component: u32, param: &Param) -> (TypeId, TypeId) {
-    let component = &spec.components[component as usize];
+pub fn param_types(spec: &Spec, component: ComponentId, param: &Param) -> (TypeId, TypeId) {
+    let component = &spec.components[component];
     match param.source {
         ParamSource::Port(port) => {
             let ty = component.ports[port as usize].ty;

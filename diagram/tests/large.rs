@@ -201,7 +201,7 @@ fn sharing(codels: usize) -> UnitResult {
 fn many_codels_that_exclude_each_other_are_no_column() {
     for codels in [24, 45, 90] {
         let unit = sharing(codels);
-        let graph = locks::graph(&unit.spec, &unit.spec.components[0], None);
+        let graph = locks::graph(&unit.spec, &unit.spec.components.raw[0], None);
         let placed = assert_readable(&graph);
         assert_eq!(graph.nodes.iter().filter(|node| node.group.is_some()).count(), codels + 3);
         let shape = placed.height / placed.width;
@@ -227,7 +227,7 @@ const LIFT: &str = "component lift { ABOUT ids { double h; };
 /// The note about a path, and the marked states.
 fn way(states: &[&str]) -> (Option<String>, Vec<String>, Vec<String>) {
     let unit = unit(&LIFT.replace("ABOUT", ABOUT));
-    let component = &unit.spec.components[0];
+    let component = &unit.spec.components.raw[0];
     let owner = component.machines().next().expect("a machine");
     let way = states.iter().map(|state| (*state).to_owned()).collect();
     let options = fsm::Options { way, ..fsm::Options::default() };

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use dotgen_analysis::model::{Component, PortDir, Service, Spec, TypeId, TypeKind};
+use dotgen_analysis::model::{Component, ComponentId, PortDir, Service, Spec, TypeId, TypeKind};
 use dotgen_codegen::codels::schema;
 use dotgen_codegen::codels::value::{Values, is_input, is_output};
 use dotgen_runtime::hosts::RequestReply;
@@ -18,7 +18,7 @@ pub struct KnownComponent {
     /// The specification of the component.
     pub spec: Arc<Spec>,
     /// Index of the component in the specification.
-    pub component: u32,
+    pub component: ComponentId,
     /// For each service of the component, its index in the system.
     pub services: Vec<Option<ServiceId>>,
     /// True if a host executes its codels.
@@ -27,7 +27,7 @@ pub struct KnownComponent {
 
 impl KnownComponent {
     pub fn component(&self) -> &Component {
-        &self.spec.components[self.component as usize]
+        &self.spec.components[self.component]
     }
 }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::FileEdit;
 use dotgen_analysis::host::UnitResult;
-use dotgen_analysis::model::{Codel, CodelRef};
+use dotgen_analysis::model::{Codel, CodelRef, ComponentId};
 use dotgen_analysis::source_map::Locations;
 use dotgen_syntax::encoding::LineEnd;
 use dotgen_timing::scn::ast::{Item, Scenario};
@@ -27,7 +27,7 @@ pub enum WcetForm {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NewWcet {
     /// Index into [`dotgen_analysis::model::Spec::components`].
-    pub component: u32,
+    pub component: ComponentId,
     pub codel: CodelRef,
     /// Execution time, in microseconds.
     pub micros: u64,
@@ -72,7 +72,7 @@ pub fn specification(
 ) -> WcetEdits {
     let place = |src| unit.locations.locate(src).map(|location| (location.path, location.range));
     let mut uses: Vec<CodelUse<'_>> = Vec::new();
-    for (index, component) in (0..).zip(&unit.spec.components) {
+    for (index, component) in unit.spec.components.iter_enumerated() {
         for of in component.all_codels() {
             let codel = component.codel(of);
             let mut times = wanted.iter().filter(|wcet| wcet.component == index);

@@ -68,14 +68,14 @@ pub(crate) fn rules(port: &str, message: &str, fields: &Value, constants: &Value
 }
 
 pub(crate) fn conversion(unit: &UnitResult, rules: &Rules) -> Conversion {
-    let found = conversions(&unit.spec, &unit.spec.components[0], rules);
+    let found = conversions(&unit.spec, &unit.spec.components.raw[0], rules);
     let mut found = found.unwrap_or_else(|errors| panic!("{errors:?}"));
     found.pop_first().expect("a port").1
 }
 
 /// The data of a port with a state.
 pub(crate) fn data(unit: &UnitResult, state: &Value) -> Vec<u8> {
-    let port = &unit.spec.components[0].ports[0];
+    let port = &unit.spec.components.raw[0].ports[0];
     Values::new(&unit.spec).encode(port.data, state).expect("a state")
 }
 
@@ -242,7 +242,7 @@ fn wrong_rules_are_told_with_their_place() {
     ];
     let mut all = String::new();
     for rules in wrong {
-        let errors = conversions(&unit.spec, &unit.spec.components[0], &rules);
+        let errors = conversions(&unit.spec, &unit.spec.components.raw[0], &rules);
         for error in errors.expect_err("a rule is wrong") {
             all += &format!("{error}\n");
         }
@@ -253,7 +253,7 @@ fn wrong_rules_are_told_with_their_place() {
 #[test]
 fn a_port_with_a_rule_needs_no_type_of_its_own() {
     let unit = unit(&POM.replace("  port in est::state goal;\n", ""));
-    let (spec, component) = (&unit.spec, &unit.spec.components[0]);
+    let (spec, component) = (&unit.spec, &unit.spec.components.raw[0]);
     let rules = rules("frame", "geometry_msgs/PoseStamped", &pose(), &json!({}));
     let found = conversions(spec, component, &rules).expect("it is right");
     let node = endpoints(spec, component, 0, found).expect("it has a name");

@@ -14,7 +14,7 @@ use super::{PUMP, unit};
 fn each_module_is_a_package() {
     let unit = unit(PUMP);
     let found =
-        interfaces(&unit.spec, &[&unit.spec.components[0]], &Rules::new()).expect("no rules");
+        interfaces(&unit.spec, &[&unit.spec.components.raw[0]], &Rules::new()).expect("no rules");
     assert_eq!(found.refused, []);
     let mut all = String::new();
     for (path, text) in &found.files {
@@ -27,7 +27,7 @@ fn each_module_is_a_package() {
 #[test]
 fn files_and_descriptions_agree() {
     let unit = unit(PUMP);
-    let component = &unit.spec.components[0];
+    let component = &unit.spec.components.raw[0];
     let node = endpoints(&unit.spec, component, 0, Conversions::new()).expect("it has a name");
     let mut read = Types::standard();
     for (path, text) in interfaces(&unit.spec, &[component], &Rules::new()).expect("no rules").files
@@ -66,7 +66,7 @@ fn packages_that_need_each_other_are_refused() {
          component demo { version \"1.0\"; lang \"c\"; port out a::three p; };",
     );
     let found =
-        interfaces(&unit.spec, &[&unit.spec.components[0]], &Rules::new()).expect("no rules");
+        interfaces(&unit.spec, &[&unit.spec.components.raw[0]], &Rules::new()).expect("no rules");
     let found: Vec<String> = found.refused.iter().map(ToString::to_string).collect();
     assert_eq!(found.len(), 2, "{found:?}");
     assert!(found[0].contains("`a` is not") && found[0].contains("`b` need each other"));
@@ -85,7 +85,7 @@ fn names_that_do_not_build_are_left_out() {
          };",
     );
     let found =
-        interfaces(&unit.spec, &[&unit.spec.components[0]], &Rules::new()).expect("no rules");
+        interfaces(&unit.spec, &[&unit.spec.components.raw[0]], &Rules::new()).expect("no rules");
     let refused: Vec<String> = found.refused.iter().map(ToString::to_string).collect();
     assert!(refused[0].contains("both become the files `m/msg/ab`"), "{refused:?}");
     let constants = &found.files["m/msg/Reason.msg"];

@@ -67,7 +67,7 @@ fn lists_without_a_source_are_empty_and_constants_are_whole() {
     let fields = json!({"position": "depth", "header": {"frame_id": "names"}});
     let unit = unit(CAMERA);
     let rules = rules("frame", "sensor_msgs/JointState", &fields, &json!({}));
-    let component = &unit.spec.components[0];
+    let component = &unit.spec.components.raw[0];
     let errors = conversions(&unit.spec, component, &rules).expect_err("a list is not a string");
     assert!(errors[0].why.contains("`names` is of type `sequence`"), "{errors:?}");
     let names = json!({"name": ["a", "bcd"]});
@@ -159,7 +159,7 @@ fn messages_with_lists_are_read_back() {
 #[test]
 fn wrong_lists_are_told() {
     let unit = unit(CAMERA);
-    let (component, none) = (&unit.spec.components[0], json!({}));
+    let (component, none) = (&unit.spec.components.raw[0], json!({}));
     let image = |port: &str, member: &str| {
         rules(port, "sensor_msgs/Image", &json!({"data": member}), &none)
     };

@@ -29,7 +29,8 @@ const TWIST: &str = "vec linear, angular;";
 const PORT: &str = "port out g::t frame;";
 
 fn node(unit: &UnitResult) -> Node {
-    endpoints(&unit.spec, &unit.spec.components[0], 0, Conversions::new()).expect("it has a name")
+    endpoints(&unit.spec, &unit.spec.components.raw[0], 0, Conversions::new())
+        .expect("it has a name")
 }
 
 fn type_name(members: &str, pragma: &str) -> String {
@@ -133,7 +134,7 @@ fn parameters_and_members_are_messages_with_the_same_payload() {
     assert_eq!(type_of("g/msg/T"), ["geometry_msgs/Vector3", "geometry_msgs/Vector3"]);
     assert_eq!(type_of("pom/srv/Go_Request"), ["geometry_msgs/Vector3"]);
     assert_eq!(type_of("pom/srv/Go_Response"), ["geometry_msgs/Vector3[]", "string"]);
-    let found = interfaces(&unit.spec, &[&unit.spec.components[0]], &Rules::new());
+    let found = interfaces(&unit.spec, &[&unit.spec.components.raw[0]], &Rules::new());
     let files = found.expect("no rules").files;
     assert_eq!(files["pom/srv/Go.srv"].lines().nth(1), Some("geometry_msgs/Vector3 to"));
     assert!(files["g/package.xml"].contains("<depend>geometry_msgs</depend>"), "{files:?}");
@@ -151,7 +152,7 @@ fn parameters_and_members_are_messages_with_the_same_payload() {
 #[test]
 fn rules_win() {
     let unit = component("vec linear;", "ros g::t \"geometry_msgs/Twist\"", PORT);
-    let (spec, component) = (&unit.spec, &unit.spec.components[0]);
+    let (spec, component) = (&unit.spec, &unit.spec.components.raw[0]);
     let rules = rules("frame", "geometry_msgs/Point", &json!({"x": "linear.x"}), &json!({}));
     let found = conversions(spec, component, &rules).expect("it is right");
     let node = endpoints(spec, component, 0, found).expect("it has a name");

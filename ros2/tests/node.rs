@@ -9,7 +9,7 @@ use super::{PUMP, unit};
 fn node(text: &str) -> Node {
     let unit = unit(text);
     let spec = &unit.spec;
-    endpoints(spec, &spec.components[0], 7, Conversions::new()).expect("it has a name")
+    endpoints(spec, &spec.components.raw[0], 7, Conversions::new()).expect("it has a name")
 }
 
 fn refused(text: &str) -> Vec<String> {
@@ -109,7 +109,7 @@ fn types_have_a_maximum_depth() {
 #[test]
 fn a_component_that_is_a_keyword_is_refused() {
     let unit = unit("component or { version \"1\"; lang \"c\"; };");
-    let found = endpoints(&unit.spec, &unit.spec.components[0], 0, Conversions::new())
+    let found = endpoints(&unit.spec, &unit.spec.components.raw[0], 0, Conversions::new())
         .expect_err("a keyword");
     assert!(found[0].to_string().contains("keyword"), "{}", found[0]);
 }

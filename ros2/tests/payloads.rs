@@ -21,7 +21,7 @@ fn state() -> Value {
 }
 
 fn service(spec: &dotgen_analysis::model::Spec, name: &str) -> u32 {
-    let services = &spec.components[0].services;
+    let services = &spec.components.raw[0].services;
     let found = services.iter().position(|service| service.name == name);
     found.expect("a service") as u32
 }
@@ -35,7 +35,7 @@ fn body(parts: &[&[u8]]) -> Vec<u8> {
 fn a_message_is_aligned_after_its_header() {
     let unit = unit(PUMP);
     let spec = &unit.spec;
-    let payloads = Payloads::new(spec, &spec.components[0]);
+    let payloads = Payloads::new(spec, &spec.components.raw[0]);
     let ty = type_of(spec, STATE);
     let data = Values::new(spec).encode(ty, &state()).expect("a value");
     let mut expected: Vec<Vec<u8>> = vec![
@@ -66,7 +66,7 @@ fn a_message_is_aligned_after_its_header() {
 fn a_union_is_a_discriminator_and_its_branches() {
     let unit = unit(PUMP);
     let spec = &unit.spec;
-    let payloads = Payloads::new(spec, &spec.components[0]);
+    let payloads = Payloads::new(spec, &spec.components.raw[0]);
     let ty = type_of(spec, SHAPE);
     let only = json!({"_d": "OFF", "only": {"x": 1.0, "y": 2.0}});
     let data = Values::new(spec).encode(ty, &only).expect("a value");
@@ -97,7 +97,7 @@ fn a_union_is_a_discriminator_and_its_branches() {
 fn requests_and_responses_are_one_stream() {
     let unit = unit(PUMP);
     let spec = &unit.spec;
-    let (component, values) = (&spec.components[0], Values::new(spec));
+    let (component, values) = (&spec.components.raw[0], Values::new(spec));
     let payloads = Payloads::new(spec, component);
     let fill = service(spec, "fill");
     let id = [7; 16];
@@ -133,7 +133,7 @@ fn requests_and_responses_are_one_stream() {
 fn an_exception_has_its_name_and_members() {
     let unit = unit(PUMP);
     let spec = &unit.spec;
-    let payloads = Payloads::new(spec, &spec.components[0]);
+    let payloads = Payloads::new(spec, &spec.components.raw[0]);
     let ty = type_of(spec, "::tank::too_high");
     let detail = json!({"limit": 0.5, "what": "x"});
     let detail = Values::new(spec).encode(ty, &detail).expect("a value");
@@ -182,7 +182,7 @@ fn the_messages_of_actions_have_their_layout() {
 fn truncated_messages_are_refused() {
     let unit = unit(PUMP);
     let spec = &unit.spec;
-    let payloads = Payloads::new(spec, &spec.components[0]);
+    let payloads = Payloads::new(spec, &spec.components.raw[0]);
     let ty = type_of(spec, STATE);
     let data = Values::new(spec).encode(ty, &state()).expect("a value");
     let message = payloads.message(ty, &data).expect("a value");
@@ -195,7 +195,7 @@ fn truncated_messages_are_refused() {
 fn any_bytes_are_read_or_refused() {
     let unit = unit(PUMP);
     let spec = &unit.spec;
-    let payloads = Payloads::new(spec, &spec.components[0]);
+    let payloads = Payloads::new(spec, &spec.components.raw[0]);
     let types = [STATE, SHAPE, "::or::t3d::path"].map(|name| type_of(spec, name));
     let [wish, fill] = ["wish", "fill"].map(|text| service(spec, text));
     // Small numbers are more often lengths that fit.

@@ -22,7 +22,7 @@ component motor {
 fn renamed(texts: &[&str]) -> Result<Node, String> {
     let remaps = texts.iter().map(|text| text.parse()).collect::<Result<Vec<Remap>, String>>()?;
     let unit = unit(MOTOR);
-    let node = endpoints(&unit.spec, &unit.spec.components[0], 0, Conversions::new());
+    let node = endpoints(&unit.spec, &unit.spec.components.raw[0], 0, Conversions::new());
     let mut node = node.expect("it has a name");
     remap(&remaps, &mut [&mut node])?;
     Ok(node)

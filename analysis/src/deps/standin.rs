@@ -119,7 +119,7 @@ impl Trees<'_> {
                 name, kind: Some(SourceKind::Local), service: Some(service), ..
             } => {
                 let service = gap.component.and_then(|component| {
-                    let services = &spec.components[component as usize].services;
+                    let services = &spec.components[component].services;
                     services.get(*service as usize)
                 });
                 let params = service.and_then(|service| params(spec, service));

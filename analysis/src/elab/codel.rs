@@ -16,8 +16,8 @@ use crate::{
     finding::{Finding, codels::CodelProblem, values::ValueProblem},
     item_tree::{CodelDecl, Duration, Name, StateRef},
     model::{
-        Codel, CodelKind, Name as Text, Owner, Param, ParamDir, ParamSource, Quantity, Seconds,
-        Src, State, TypeId, TypeKind,
+        Codel, CodelKind, ComponentId, Name as Text, Owner, Param, ParamDir, ParamSource, Quantity,
+        Seconds, Src, State, TypeId, TypeKind,
     },
 };
 
@@ -39,7 +39,7 @@ impl<'a> Elaborator<'a> {
     /// Adds a codel written in the current body.
     pub(super) fn codel_here(
         &mut self,
-        index: u32,
+        index: ComponentId,
         owner: Owner,
         decl: &'a CodelDecl,
         kind: CodelKind,
@@ -49,7 +49,7 @@ impl<'a> Elaborator<'a> {
     }
 
     /// Adds a codel to a task or service, resolved for that component.
-    pub(super) fn add_codel(&mut self, index: u32, owner: Owner, source: CodelSource<'a>) {
+    pub(super) fn add_codel(&mut self, index: ComponentId, owner: Owner, source: CodelSource<'a>) {
         let container = self.container;
         self.in_visit(source.visit, |this| {
             this.within(source.scope, container, |this| {
@@ -58,11 +58,11 @@ impl<'a> Elaborator<'a> {
         });
     }
 
-    fn resolve_codel(&mut self, index: u32, owner: Owner, source: CodelSource<'a>) {
+    fn resolve_codel(&mut self, index: ComponentId, owner: Owner, source: CodelSource<'a>) {
         let decl = source.decl;
         let Some(name) = &decl.name else { return };
         let (at, node) = (self.src(name.ptr), self.src(decl.ptr));
-        let known = self.spec.components[index as usize]
+        let known = self.spec.components[index]
             .codels_of(owner)
             .iter()
             .find(|codel| codel.name == name.text);
@@ -117,8 +117,8 @@ impl<'a> Elaborator<'a> {
             yields,
             wcet,
         };
-        let component = &mut self.spec.components[index as usize];
-        let state = &mut self.components[index as usize];
+        let component = &mut self.spec.components[index];
+        let state = &mut self.components[index];
         match owner {
             Owner::Task(i) => {
                 component.tasks[i as usize].codels.push(codel);
@@ -134,7 +134,7 @@ impl<'a> Elaborator<'a> {
     /// Checks the parameters of a codel at a place that does not allow it, and records their references.
     pub(super) fn misplaced_params(
         &mut self,
-        index: u32,
+        index: ComponentId,
         owner: Owner,
         decl: &'a CodelDecl,
         kind: CodelKind,
@@ -145,7 +145,7 @@ impl<'a> Elaborator<'a> {
     /// The parameters, and true if all could be resolved.
     fn codel_params(
         &mut self,
-        index: u32,
+        index: ComponentId,
         owner: Owner,
         decl: &'a CodelDecl,
         kind: CodelKind,
@@ -236,7 +236,7 @@ impl<'a> Elaborator<'a> {
 
     /// Creates the states that imported codels mention, in the order of the reference compiler. Their types,
     /// and so generated code, have that order, and the place of their codel.
-    pub(super) fn import_states(&mut self, index: u32, codels: Vec<CodelSource<'a>>) {
+    pub(super) fn import_states(&mut self, index: ComponentId, codels: Vec<CodelSource<'a>>) {
         for codel in codels {
             let Some(name) = &codel.decl.name else {
                 continue;
@@ -255,7 +255,12 @@ impl<'a> Elaborator<'a> {
     }
 
     /// The states of a `< >` list (with the codel's name) or of a `yields` list.
-    fn states(&mut self, index: u32, list: &[StateRef], codel: Option<&Name>) -> Vec<State> {
+    fn states(
+        &mut self,
+        index: ComponentId,
+        list: &[StateRef],
+        codel: Option<&Name>,
+    ) -> Vec<State> {
         let mut states: Vec<State> = Vec::with_capacity(list.len());
         for state in list {
             let at = self.src(state.ptr);
@@ -295,13 +300,13 @@ impl<'a> Elaborator<'a> {
     /// The type object of a state, created at its first mention, with the place `created`.
     fn event(
         &mut self,
-        index: u32,
+        index: ComponentId,
         name: &Name,
         (paused, is_trigger): (bool, bool),
         created: Src,
     ) -> TypeId {
         let at = self.src(name.ptr);
-        let state = &self.components[index as usize];
+        let state = &self.components[index];
         let (scope, kind, other) = if paused {
             (state.pause, TypeKind::PauseEvent, state.scope)
         } else {
@@ -330,7 +335,7 @@ impl<'a> Elaborator<'a> {
             }
             Some(_) => {}
             None if self.importing.is_none() => {
-                let container = self.container.replace(self.components[index as usize].def);
+                let container = self.container.replace(self.components[index].def);
                 self.define(DefKind::State, &name.text, at, at, Some(event));
                 self.container = container;
             }
@@ -340,9 +345,9 @@ impl<'a> Elaborator<'a> {
     }
 
     /// Each state of a machine has at most one codel.
-    fn check_attached(&mut self, index: u32, owner: Owner, at: Src, triggers: &[State]) {
+    fn check_attached(&mut self, index: ComponentId, owner: Owner, at: Src, triggers: &[State]) {
         let mut clashes: Vec<(Text, Text, Src)> = Vec::new();
-        let component = &self.spec.components[index as usize];
+        let component = &self.spec.components[index];
         for state in triggers {
             let first = component
                 .codels_of(owner)

@@ -14,8 +14,8 @@ use crate::{
     finding::{Finding, names::NameProblem, services::DeclarationProblem},
     item_tree::{Item, Name, PortDecl, PropertyKind, Ptr},
     model::{
-        Body, Component, ComponentKind, Name as Text, Port, PortDir, ScopeKind, Src, TypeId,
-        TypeKind,
+        Body, Component, ComponentId, ComponentKind, Name as Text, Port, PortDir, ScopeKind, Src,
+        TypeId, TypeKind,
     },
     release::Change,
 };
@@ -41,7 +41,7 @@ impl<'a> Elaborator<'a> {
             None => self.new_component(kind, name, ptr),
         };
         let Some(body) = body else { return };
-        let state = &self.components[index as usize];
+        let state = &self.components[index];
         let (scope, def) = (state.scope, state.def);
         self.spec.bodies.push(Body { visit: self.visit, item: Some(ptr.item), component: index });
         let outer = self.component.replace(index);
@@ -52,9 +52,9 @@ impl<'a> Elaborator<'a> {
         self.component = outer;
     }
 
-    fn reopen(&mut self, index: u32, kind: ComponentKind, at: Src) -> bool {
-        let known = &self.spec.components[index as usize];
-        let state = &self.components[index as usize];
+    fn reopen(&mut self, index: ComponentId, kind: ComponentKind, at: Src) -> bool {
+        let known = &self.spec.components[index];
+        let state = &self.components[index];
         let def = state.def;
         if known.kind != kind {
             let (was, is) = match kind {
@@ -79,7 +79,7 @@ impl<'a> Elaborator<'a> {
         true
     }
 
-    fn new_component(&mut self, kind: ComponentKind, name: &Name, ptr: Ptr) -> u32 {
+    fn new_component(&mut self, kind: ComponentKind, name: &Name, ptr: Ptr) -> ComponentId {
         let at = self.src(name.ptr);
         let node = self.src(ptr);
         let def_kind = match kind {
@@ -91,7 +91,7 @@ impl<'a> Elaborator<'a> {
             Some(def) => def,
             None => self.define(def_kind, &name.text, at, node, None),
         };
-        let index = self.spec.components.len() as u32;
+        let index = self.spec.components.next_key();
         self.set_entity(def, Entity::Component(index));
         self.component_by_name.insert(name.text.clone(), index);
         // Ids have a scope before they have members.
@@ -172,7 +172,7 @@ impl<'a> Elaborator<'a> {
     }
 
     /// One item of a body.
-    fn export(&mut self, index: u32, item: &'a Item) {
+    fn export(&mut self, index: ComponentId, item: &'a Item) {
         match item {
             Item::Property(property) => self.component_property(index, property),
             Item::Ids { members, keyword, .. } => self.ids(index, members, *keyword),
@@ -188,18 +188,18 @@ impl<'a> Elaborator<'a> {
     }
 
     /// The end of a body.
-    fn close(&mut self, index: u32) {
+    fn close(&mut self, index: ComponentId) {
         self.close_services(index);
-        let state = &mut self.components[index as usize];
+        let state = &mut self.components[index];
         state.closing = Some(self.closings.len());
         self.closings.push(BodyEnd { component: index, snapshot: None });
     }
 
     // Ids
 
-    fn ids(&mut self, index: u32, items: &'a [Item], keyword: Ptr) {
+    fn ids(&mut self, index: ComponentId, items: &'a [Item], keyword: Ptr) {
         let at = self.src(keyword);
-        let first = self.components[index as usize].ids.is_none();
+        let first = self.components[index].ids.is_none();
         let Some(scope) = self.open_ids(index, at) else {
             // The name `ids` is taken; the members are still read, for their references.
             let scope = self.scopes.open(
@@ -214,21 +214,21 @@ impl<'a> Elaborator<'a> {
         };
         let def = self.scopes.get(scope).def;
         // The ids can be used as a type once they have members.
-        let (outer, name) = (self.components[index as usize].scope, Text::new_static("ids"));
+        let (outer, name) = (self.components[index].scope, Text::new_static("ids"));
         let hidden = if first { self.scopes.get_mut(outer).names.remove(&name) } else { None };
         let members = self.within(scope, def, |this| this.members(items, DefKind::IdsMember));
         if let Some(ids) = hidden {
             self.scopes.get_mut(outer).names.insert(name, ids);
         }
         self.add_to_ids(index, members);
-        if let Some(ids) = self.spec.components[index as usize].ids {
+        if let Some(ids) = self.spec.components[index].ids {
             self.adopt(scope, ids);
         }
     }
 
     /// The scope of the ids, created with the ids themselves if there are none yet.
-    pub(super) fn open_ids(&mut self, index: u32, at: Src) -> Option<ScopeId> {
-        let state = &self.components[index as usize];
+    pub(super) fn open_ids(&mut self, index: ComponentId, at: Src) -> Option<ScopeId> {
+        let state = &self.components[index];
         if let Some(scope) = state.ids {
             return Some(scope);
         }
@@ -245,13 +245,13 @@ impl<'a> Elaborator<'a> {
         self.container = container;
         self.scopes.get_mut(outer).names.insert(name.clone(), ids);
         let scope = self.scopes.open(outer, &name, ScopeKind::Struct, Some(def), false);
-        self.components[index as usize].ids = Some(scope);
-        self.spec.components[index as usize].ids = Some(ids);
+        self.components[index].ids = Some(scope);
+        self.spec.components[index].ids = Some(ids);
         Some(scope)
     }
 
-    pub(super) fn add_to_ids(&mut self, index: u32, added: Vec<TypeId>) {
-        let Some(ids) = self.spec.components[index as usize].ids else {
+    pub(super) fn add_to_ids(&mut self, index: ComponentId, added: Vec<TypeId>) {
+        let Some(ids) = self.spec.components[index].ids else {
             return;
         };
         if let TypeKind::Struct { members } = &mut self.spec.types[ids.0 as usize].kind {
@@ -262,21 +262,21 @@ impl<'a> Elaborator<'a> {
 
     // Names that were refused
 
-    pub(super) fn add_refused_name(&mut self, index: u32, name: &Text) {
-        let lost = &mut self.components[index as usize].lost;
+    pub(super) fn add_refused_name(&mut self, index: ComponentId, name: &Text) {
+        let lost = &mut self.components[index].lost;
         lost.insert(name.clone());
     }
 
     /// Returns true if a name that is not found in a component may be missing because of an error that was
     /// already reported.
-    pub(super) fn is_excused(&self, index: u32, name: &Text) -> bool {
-        let state = &self.components[index as usize];
+    pub(super) fn is_excused(&self, index: ComponentId, name: &Text) -> bool {
+        let state = &self.components[index];
         state.incomplete || state.lost.contains(name)
     }
 
     // Ports
 
-    fn port(&mut self, index: u32, decl: &'a PortDecl) {
+    fn port(&mut self, index: ComponentId, decl: &'a PortDecl) {
         let keyword = self.src(decl.keyword);
         let data = self.type_ref(&decl.ty);
         let (Some(name), Some(out)) = (&decl.name, decl.out) else {
@@ -337,16 +337,16 @@ impl<'a> Elaborator<'a> {
     /// used interface, so it has a type of its own.
     pub(super) fn add_port(
         &mut self,
-        index: u32,
+        index: ComponentId,
         mut port: Port,
         used: bool,
         def: DefId,
         at: Src,
     ) -> bool {
-        let state = &self.components[index as usize];
+        let state = &self.components[index];
         let taken = state.service_by_name.get(&port.name).copied();
         if let Some(service) = taken {
-            let place = self.spec.components[index as usize].services[service as usize].src;
+            let place = self.spec.components[index].services[service as usize].src;
 
             self.report(
                 Finding::new(NameProblem::Taken { name: port.name.clone(), what: "a service" }, at)
@@ -356,7 +356,7 @@ impl<'a> Elaborator<'a> {
             return false;
         }
         let scope = state.scope;
-        let number = self.spec.components[index as usize].ports.len() as u32;
+        let number = self.spec.components[index].ports.len() as u32;
         let kind = TypeKind::Port { component: index, port: number };
         if let Some(clash) = self.scopes.clash(scope, &port.name, false) {
             self.report_clash(scope, &port.name, at, clash);
@@ -376,10 +376,10 @@ impl<'a> Elaborator<'a> {
         if !alias {
             port.ty = ty;
         }
-        let state = &mut self.components[index as usize];
+        let state = &mut self.components[index];
         state.port_by_name.insert(port.name.clone(), number);
         state.ports.push(def);
-        self.spec.components[index as usize].ports.push(port);
+        self.spec.components[index].ports.push(port);
         true
     }
 }

@@ -5,6 +5,7 @@ use crate::finding::role::Role;
 use std::{cell::Cell, sync::Arc};
 
 use rustc_hash::{FxHashMap, FxHashSet};
+use typed_index_collections::TiVec;
 
 use super::{
     AccessKind, BodyEnd, DefId, DefKind, Definition, Elaborated, Entity, Reference, UnitInput,
@@ -16,7 +17,7 @@ use super::{
 use crate::{
     finding::{Finding, FindingKind, Near, Severity, lints::LintWarning, names::NameProblem},
     item_tree::{Item, Name, Ptr},
-    model::{Body, Name as Text, Spec, Src, Type, TypeId, TypeKind},
+    model::{Body, ComponentId, Name as Text, Spec, Src, Type, TypeId, TypeKind},
 };
 
 /// Maximum nesting of includes. The preprocessor allows 100; this limit only stops the recursion on malformed
@@ -38,7 +39,7 @@ pub(super) struct Elaborator<'a> {
     /// The current scope.
     pub(super) scope: ScopeId,
     /// The component whose body is being read.
-    pub(super) component: Option<u32>,
+    pub(super) component: Option<ComponentId>,
     /// The definition whose inside is being read.
     pub(super) container: Option<DefId>,
 
@@ -55,12 +56,12 @@ pub(super) struct Elaborator<'a> {
     pub(super) forwards: Vec<ForwardDeclaration>,
 
     /// Parallel to [`Spec::components`].
-    pub(super) components: Vec<ComponentState<'a>>,
-    pub(super) component_by_name: FxHashMap<Text, u32>,
+    pub(super) components: TiVec<ComponentId, ComponentState<'a>>,
+    pub(super) component_by_name: FxHashMap<Text, ComponentId>,
     pub(super) codels: FxHashMap<Text, KnownCodel>,
 
     /// Interfaces of `#pragma provides` so far.
-    pub(super) pragma_provides: Vec<u32>,
+    pub(super) pragma_provides: Vec<ComponentId>,
     /// Unknown interfaces of `#pragma provides`.
     pub(super) pragma_unknown: Vec<Text>,
     pub(super) pragma_wcet: Vec<PragmaWcet>,
@@ -120,7 +121,7 @@ impl<'a> Elaborator<'a> {
             origins: FxHashMap::default(),
             next_order: 0,
             forwards: Vec::new(),
-            components: Vec::new(),
+            components: TiVec::new(),
             component_by_name: FxHashMap::default(),
             codels: FxHashMap::default(),
             pragma_provides: Vec::new(),

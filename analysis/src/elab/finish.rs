@@ -9,7 +9,8 @@ use num_rational::Ratio;
 use super::{Elaborated, context::Elaborator, property::to_f64};
 use crate::finding::{Finding, names::NameProblem, values::ValueProblem};
 use crate::model::{
-    ComponentKind, Gap, Missing, Quantity, Seconds, Spec, Src, TypeId, TypeKind, visit::TypeIds,
+    ComponentId, ComponentKind, Gap, Missing, Quantity, Seconds, Spec, Src, TypeId, TypeKind,
+    visit::TypeIds,
 };
 use crate::release::Change;
 use crate::unit::is_standin;
@@ -36,7 +37,7 @@ impl Elaborator<'_> {
         let ids = (0u32..).map(TypeId).zip(&self.spec.types);
         let open = ids.filter(|(_, ty)| ty.name.is_some() && invented(ty.src));
         self.spec.open = open.map(|(id, _)| id).collect();
-        let components = (0u32..).zip(&self.spec.components);
+        let components = self.spec.components.iter_enumerated();
         let stand_ins = components.filter(|(_, component)| invented(component.src));
         self.spec.stand_ins = stand_ins.map(|(index, _)| index).collect();
     }
@@ -45,15 +46,13 @@ impl Elaborator<'_> {
         self.note_stand_ins();
         self.check_forwards();
         self.apply_wcet_pragmas();
-        for index in 0..self.spec.components.len() {
+        for index in self.spec.components.keys() {
             if self.spec.components[index].kind == ComponentKind::Component {
                 self.settle_clock_rate(index);
                 if self.spec.components[index].lang.is_none()
-                    && !self.spec.missing_interfaces(index as u32).is_empty()
+                    && !self.spec.missing_interfaces(index).is_empty()
                 {
-                    self.spec
-                        .gaps
-                        .push(Gap { component: Some(index as u32), missing: Missing::Language });
+                    self.spec.gaps.push(Gap { component: Some(index), missing: Missing::Language });
                 }
                 let component = &mut self.spec.components[index];
                 component.lang.get_or_insert_with(|| "c".to_owned());
@@ -69,7 +68,7 @@ impl Elaborator<'_> {
     }
 
     /// The lints of a component, as far as its declarations were resolved.
-    fn lint(&mut self, index: usize) {
+    fn lint(&mut self, index: ComponentId) {
         if !self.components[index].tasks.iter().any(|task| task.incomplete) {
             for lint in crate::check::lints(&self.spec.components[index]) {
                 self.report(lint);
@@ -136,7 +135,7 @@ impl Elaborator<'_> {
     }
 
     /// Compares a given clock-rate with the periods, or computes the default one.
-    fn settle_clock_rate(&mut self, index: usize) {
+    fn settle_clock_rate(&mut self, index: ComponentId) {
         let component = &self.spec.components[index];
         let Some(rate) = &component.clock_rate else {
             // A clock-rate that could not be evaluated is still given.
@@ -171,7 +170,7 @@ impl Elaborator<'_> {
         }
     }
 
-    fn default_clock_rate(&mut self, index: usize) {
+    fn default_clock_rate(&mut self, index: ComponentId) {
         let component = &self.spec.components[index];
         if component.tasks.iter().all(|task| task.period.is_none()) {
             return;

@@ -18,7 +18,8 @@ use crate::{
     finding::{Finding, names::NameProblem, services::DeclarationProblem},
     item_tree::Name,
     model::{
-        ComponentKind, Gap, Missing, Name as Text, Owner, Port, PortDir, Src, TypeId, TypeKind,
+        ComponentId, ComponentKind, Gap, Missing, Name as Text, Owner, Port, PortDir, Src, TypeId,
+        TypeKind,
     },
     release::Change,
 };
@@ -34,9 +35,9 @@ fn list_of(word: &str) -> usize {
 
 impl<'a> Elaborator<'a> {
     /// A `provides`, `uses` or `extends` property.
-    pub(super) fn imports(&mut self, index: u32, names: &'a [Name], word: &'static str) {
+    pub(super) fn imports(&mut self, index: ComponentId, names: &'a [Name], word: &'static str) {
         let mut seen: Vec<(&Text, Src)> = Vec::with_capacity(names.len());
-        let mut list: Vec<(u32, Src)> = Vec::with_capacity(names.len());
+        let mut list: Vec<(ComponentId, Src)> = Vec::with_capacity(names.len());
         for name in names {
             let at = self.src(name.ptr);
             if let Some((_, first)) = seen.iter().find(|(text, _)| *text == &name.text) {
@@ -53,7 +54,7 @@ impl<'a> Elaborator<'a> {
                 |name| NameProblem::UnknownInterface { name },
                 |name| NameProblem::NotAnInterface { name },
             ) else {
-                self.components[index as usize].incomplete = true;
+                self.components[index].incomplete = true;
                 self.spec.gaps.push(Gap {
                     component: Some(index),
                     missing: Missing::Interface { name: name.text.clone(), used: word == "uses" },
@@ -65,14 +66,14 @@ impl<'a> Elaborator<'a> {
         // The lists of an interface are added to those of its importer. If the importer's first list of this
         // kind is being read, the added entries are imported as well, and so twice.
         let which = list_of(word);
-        let lists = &mut self.components[index as usize].lists;
+        let lists = &mut self.components[index].lists;
         let first = lists[which].is_empty();
         union(&mut lists[which], list.iter().map(|(number, _)| *number));
         let named = list.len();
         let mut next = 0;
         while let Some(&(interface, at)) = list.get(next) {
             if first {
-                for &theirs in &self.components[interface as usize].lists[which] {
+                for &theirs in &self.components[interface].lists[which] {
                     if !list.iter().any(|(number, _)| *number == theirs) {
                         list.push((theirs, at));
                     }
@@ -90,7 +91,7 @@ impl<'a> Elaborator<'a> {
         at: Src,
         unknown: fn(Text) -> NameProblem,
         is_component: fn(Text) -> NameProblem,
-    ) -> Option<u32> {
+    ) -> Option<ComponentId> {
         let Some(&found) = self.component_by_name.get(name) else {
             let interfaces = self
                 .spec
@@ -103,10 +104,10 @@ impl<'a> Elaborator<'a> {
             self.unresolved(at, unknown(name.clone()), near);
             return None;
         };
-        let def = self.components[found as usize].def;
+        let def = self.components[found].def;
         self.refer(at, def);
-        if self.spec.components[found as usize].kind == ComponentKind::Component {
-            let place = self.spec.components[found as usize].src;
+        if self.spec.components[found].kind == ComponentKind::Component {
+            let place = self.spec.components[found].src;
             self.report(
                 Finding::new(is_component(name.clone()), at).related(place, Role::Component),
             );
@@ -116,7 +117,7 @@ impl<'a> Elaborator<'a> {
     }
 
     /// The interfaces that `#pragma provides` adds to every new component.
-    pub(super) fn import_by_pragma(&mut self, index: u32, at: Src) {
+    pub(super) fn import_by_pragma(&mut self, index: ComponentId, at: Src) {
         for interface in self.pragma_provides.clone() {
             self.import(index, interface, "provides", at, true);
         }
@@ -128,20 +129,27 @@ impl<'a> Elaborator<'a> {
 
     /// Imports an interface. `named` is true if the property names it directly, not through another
     /// interface.
-    fn import(&mut self, index: u32, interface: u32, word: &'static str, at: Src, named: bool) {
-        let component = &mut self.spec.components[index as usize];
+    fn import(
+        &mut self,
+        index: ComponentId,
+        interface: ComponentId,
+        word: &'static str,
+        at: Src,
+        named: bool,
+    ) {
+        let component = &mut self.spec.components[index];
         let list = match word {
             "uses" => &mut component.uses,
             "extends" => &mut component.extends,
             _ => &mut component.provides,
         };
         union(list, [interface]);
-        for which in 0..self.components[index as usize].lists.len() {
-            let theirs = self.components[interface as usize].lists[which].clone();
-            union(&mut self.components[index as usize].lists[which], theirs);
+        for which in 0..self.components[index].lists.len() {
+            let theirs = self.components[interface].lists[which].clone();
+            union(&mut self.components[index].lists[which], theirs);
         }
         // An interface that names itself imports all its contents a second time.
-        let imported = &self.components[index as usize].imported;
+        let imported = &self.components[index].imported;
         let again = if interface == index {
             Some("an interface that names itself imports all it has once more")
         } else if imported.contains(&interface) && !named {
@@ -154,8 +162,8 @@ impl<'a> Elaborator<'a> {
         } else {
             None
         };
-        let theirs = self.components[interface as usize].imported.clone();
-        let imported = &mut self.components[index as usize].imported;
+        let theirs = self.components[interface].imported.clone();
+        let imported = &mut self.components[index].imported;
         union(imported, theirs);
         union(imported, [interface]);
         let outer = self.importing.replace(ImportInProgress { at, again });
@@ -173,16 +181,16 @@ impl<'a> Elaborator<'a> {
             self.import_services(index, interface, at)
         };
         self.import_remotes(index, interface, at);
-        for task in 0..self.components[interface as usize].tasks.len() {
-            let name = &self.spec.components[interface as usize].tasks[task].name;
-            let own = self.components[index as usize].task_by_name.get(name);
+        for task in 0..self.components[interface].tasks.len() {
+            let name = &self.spec.components[interface].tasks[task].name;
+            let own = self.components[index].task_by_name.get(name);
             let Some(own) = own.copied() else { continue };
-            for codel in self.components[interface as usize].tasks[task].codels.clone() {
+            for codel in self.components[interface].tasks[task].codels.clone() {
                 self.add_codel(index, Owner::Task(own), codel);
             }
         }
         for (theirs, own) in services {
-            let codels = &self.components[interface as usize].services[theirs as usize].codels;
+            let codels = &self.components[interface].services[theirs as usize].codels;
             for codel in codels.clone() {
                 self.add_codel(index, Owner::Service(own), codel);
             }
@@ -190,8 +198,8 @@ impl<'a> Elaborator<'a> {
         self.importing = outer;
     }
 
-    fn import_properties(&mut self, index: u32, interface: u32, at: Src) {
-        let from = &self.spec.components[interface as usize];
+    fn import_properties(&mut self, index: ComponentId, interface: ComponentId, at: Src) {
+        let from = &self.spec.components[interface];
         let (doc, requires, codels_requires, throws) = (
             from.doc.clone(),
             from.requires.clone(),
@@ -206,12 +214,12 @@ impl<'a> Elaborator<'a> {
             from.stack.clone(),
         );
         // Default values of an interface are not explicitly given.
-        let theirs = &self.components[interface as usize].given;
+        let theirs = &self.components[interface].given;
         let explicit = |word: &str| theirs.contains_key(word);
         let version = version.filter(|_| explicit("version"));
         let lang = lang.filter(|_| explicit("lang"));
         let separate = self.spec.release.has(Change::SeparateInterfaceDocs);
-        let to = &mut self.spec.components[index as usize];
+        let to = &mut self.spec.components[index];
         if let Some(doc) = doc.filter(|_| !separate) {
             join_doc(&mut to.doc, &doc);
         }
@@ -219,9 +227,9 @@ impl<'a> Elaborator<'a> {
         union(&mut to.codels_requires, codels_requires);
         union(&mut to.throws, throws);
         let word = "codels-requires";
-        let state = &self.components[interface as usize];
+        let state = &self.components[interface];
         if let Some(&theirs) = state.given.get(word) {
-            let state = &mut self.components[index as usize];
+            let state = &mut self.components[index];
             if let Some(&own) = state.given.get(word) {
                 self.newer_or(
                     Change::MergedProperties,
@@ -242,7 +250,7 @@ impl<'a> Elaborator<'a> {
         let email = email.filter(|email| once("email", email));
         let clock_rate = clock_rate.filter(|_| once("clock-rate", ""));
         let stack = stack.filter(|_| once("stack", ""));
-        let to = &mut self.spec.components[index as usize];
+        let to = &mut self.spec.components[index];
         to.version = version.or(to.version.take());
         to.lang = lang.or(to.lang.take());
         to.email = email.or(to.email.take());
@@ -253,8 +261,8 @@ impl<'a> Elaborator<'a> {
     /// Records that a property that does not merge is imported; reports it if it was already given.
     fn import_once(
         &mut self,
-        index: u32,
-        interface: u32,
+        index: ComponentId,
+        interface: ComponentId,
         word: &'static str,
         value: &str,
         at: Src,
@@ -263,13 +271,13 @@ impl<'a> Elaborator<'a> {
             self.newer(Change::MergedProperties, "a property that is repeated", at);
             return false;
         }
-        let theirs = self.components[interface as usize].given.get(word).copied();
-        let given = &mut self.components[index as usize].given;
+        let theirs = self.components[interface].given.get(word).copied();
+        let given = &mut self.components[index].given;
         let Some(&own) = given.get(word) else {
             given.insert(word, at);
             return true;
         };
-        let name = &self.spec.components[interface as usize].name;
+        let name = &self.spec.components[interface].name;
 
         let mut diagnostic = Finding::new(
             DeclarationProblem::PropertyImported { interface: name.clone(), word },
@@ -282,19 +290,19 @@ impl<'a> Elaborator<'a> {
         false
     }
 
-    fn import_ids(&mut self, index: u32, interface: u32, at: Src) {
-        let Some(theirs) = self.spec.components[interface as usize].ids else {
+    fn import_ids(&mut self, index: ComponentId, interface: ComponentId, at: Src) {
+        let Some(theirs) = self.spec.components[interface].ids else {
             return;
         };
         let TypeKind::Struct { members } = &self.spec.ty(theirs).kind else {
             return;
         };
         let members = members.clone();
-        let first = self.spec.components[index as usize].ids.is_none();
+        let first = self.spec.components[index].ids.is_none();
         let Some(scope) = self.open_ids(index, at) else {
             return;
         };
-        if let Some(own) = self.spec.components[index as usize].ids.filter(|_| first) {
+        if let Some(own) = self.spec.components[index].ids.filter(|_| first) {
             // Templates see the origin of the members.
             self.spec.types[own.0 as usize].src = self.spec.ty(theirs).src;
         }
@@ -329,18 +337,18 @@ impl<'a> Elaborator<'a> {
         self.origins.get(&member).copied().unwrap_or(member)
     }
 
-    fn import_tasks(&mut self, index: u32, interface: u32, at: Src) {
-        for number in 0..self.components[interface as usize].tasks.len() {
-            let task = self.spec.components[interface as usize].tasks[number].clone();
-            let def = self.components[interface as usize].tasks[number].def;
-            let known = self.components[index as usize].task_by_name.get(&task.name);
+    fn import_tasks(&mut self, index: ComponentId, interface: ComponentId, at: Src) {
+        for number in 0..self.components[interface].tasks.len() {
+            let task = self.spec.components[interface].tasks[number].clone();
+            let def = self.components[interface].tasks[number].def;
+            let known = self.components[index].task_by_name.get(&task.name);
             let own = match known.copied() {
                 Some(own) => own,
                 None => self.new_task(index, &task.name, task.src, def, Some(interface)),
             };
             let mut conflicts: Vec<&'static str> = Vec::new();
-            let to = &mut self.spec.components[index as usize].tasks[own as usize];
-            let given = &mut self.components[index as usize].tasks[own as usize].given;
+            let to = &mut self.spec.components[index].tasks[own as usize];
+            let given = &mut self.components[index].tasks[own as usize].given;
             let mut once = |word: &'static str, brought: bool| {
                 if brought && given.contains_key(word) {
                     conflicts.push(word);
@@ -372,7 +380,7 @@ impl<'a> Elaborator<'a> {
             union(&mut to.throws, task.throws);
             let place = to.src;
             for word in conflicts {
-                let theirs = self.components[interface as usize].tasks[number].given.get(word);
+                let theirs = self.components[interface].tasks[number].given.get(word);
                 let mut diagnostic = Finding::new(
                     DeclarationProblem::TaskPropertyImported { task: task.name.clone(), word },
                     at,
@@ -383,15 +391,15 @@ impl<'a> Elaborator<'a> {
                 self.report(diagnostic.related(place, Role::OtherTask));
             }
             self.check_delay(index, own);
-            let codels = &self.components[interface as usize].tasks[number].codels;
+            let codels = &self.components[interface].tasks[number].codels;
             self.import_states(index, codels.clone());
         }
     }
 
-    fn import_ports(&mut self, index: u32, interface: u32, uses: bool, at: Src) {
-        for number in 0..self.components[interface as usize].ports.len() {
-            let port = self.spec.components[interface as usize].ports[number].clone();
-            let def = self.components[interface as usize].ports[number];
+    fn import_ports(&mut self, index: ComponentId, interface: ComponentId, uses: bool, at: Src) {
+        for number in 0..self.components[interface].ports.len() {
+            let port = self.spec.components[interface].ports[number].clone();
+            let def = self.components[interface].ports[number];
             let dir = match (uses, port.dir) {
                 (true, PortDir::In) => PortDir::Out,
                 (true, PortDir::Out) => PortDir::In,

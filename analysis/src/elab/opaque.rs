@@ -4,8 +4,8 @@ use super::{context::Elaborator, types::resolve_aliases};
 use crate::{
     item_tree::{Name, ParamDecl, ParamSpec, Path, PathStep},
     model::{
-        Gap, Missing, Name as Text, Param, ParamSource, PathElement, Scope, ScopeKind, SourceKind,
-        Src, TypeId, TypeKind,
+        ComponentId, Gap, Missing, Name as Text, Param, ParamSource, PathElement, Scope, ScopeKind,
+        SourceKind, Src, TypeId, TypeKind,
     },
     unit::is_standin,
 };
@@ -18,9 +18,9 @@ impl<'a> Elaborator<'a> {
     }
 
     /// Records a task or service that is not found and may come from an unknown interface.
-    pub(super) fn lack_of(&mut self, index: u32, missing: Missing) {
+    pub(super) fn lack_of(&mut self, index: ComponentId, missing: Missing) {
         let gap = Gap { component: Some(index), missing };
-        if self.components[index as usize].incomplete && !self.spec.gaps.contains(&gap) {
+        if self.components[index].incomplete && !self.spec.gaps.contains(&gap) {
             self.spec.gaps.push(gap);
         }
     }
@@ -41,7 +41,7 @@ impl<'a> Elaborator<'a> {
     /// Its type is named like the types of ports and remote services, since it may be one.
     pub(super) fn opaque_param(
         &mut self,
-        index: u32,
+        index: ComponentId,
         service: Option<u32>,
         decl: &ParamDecl,
     ) -> Option<Param> {
@@ -73,7 +73,7 @@ impl<'a> Elaborator<'a> {
                 service,
             });
         }
-        let scope = self.components[index as usize].scope;
+        let scope = self.components[index].scope;
         let named = first.map_or_else(|| name.clone(), |name| name.text.clone());
         let ty = self.named(TypeKind::Unknown, scope, named, src);
         if let Some((name, scope)) = self.inside_unknown() {
@@ -94,8 +94,8 @@ impl<'a> Elaborator<'a> {
 
     /// Returns true if a component or service has an ids member, parameter, port or remote service of that
     /// name.
-    fn is_source(&self, index: u32, service: Option<u32>, name: &Text) -> bool {
-        let state = &self.components[index as usize];
+    fn is_source(&self, index: ComponentId, service: Option<u32>, name: &Text) -> bool {
+        let state = &self.components[index];
         self.ids_member(index, name).is_some()
             || self.local_named(index, service, name).is_some()
             || state.port_by_name.contains_key(name)

@@ -8,8 +8,8 @@ use crate::{
     finding::{Finding, codels::CodelProblem},
     item_tree::{Name, ParamDecl, ParamSpec, PathStep},
     model::{
-        CodelKind, Name as Text, Param, ParamDir, ParamSource, PathElement, PortDir, SourceKind,
-        Src, TypeId, TypeKind,
+        CodelKind, ComponentId, Name as Text, Param, ParamDir, ParamSource, PathElement, PortDir,
+        SourceKind, Src, TypeId, TypeKind,
     },
 };
 use smol_str::SmolStr;
@@ -77,7 +77,7 @@ impl<'a> Elaborator<'a> {
     /// A parameter of a codel; `None` if it does not resolve, which was reported.
     pub(super) fn codel_param(
         &mut self,
-        index: u32,
+        index: ComponentId,
         service: Option<u32>,
         decl: &'a ParamDecl,
         kind: CodelKind,
@@ -117,7 +117,11 @@ impl<'a> Elaborator<'a> {
     }
 
     /// A parameter of an attribute: a path into the ids.
-    pub(super) fn attribute_param(&mut self, index: u32, decl: &'a ParamDecl) -> Option<Param> {
+    pub(super) fn attribute_param(
+        &mut self,
+        index: ComponentId,
+        decl: &'a ParamDecl,
+    ) -> Option<Param> {
         let ParamSpec::Path { path, rename, .. } = &decl.spec else {
             return None;
         };
@@ -137,28 +141,33 @@ impl<'a> Elaborator<'a> {
 
     // The meaning of a name
 
-    pub(super) fn ids_member(&self, index: u32, name: &str) -> Option<TypeId> {
-        let scope = self.components[index as usize].ids?;
+    pub(super) fn ids_member(&self, index: ComponentId, name: &str) -> Option<TypeId> {
+        let scope = self.components[index].ids?;
         let member = *self.scopes.get(scope).names.get(name)?;
         matches!(self.spec.ty(member).kind, TypeKind::StructMember { .. }).then_some(member)
     }
 
-    pub(super) fn local_named(&self, index: u32, service: Option<u32>, name: &str) -> Option<u32> {
-        let service = &self.spec.components[index as usize].services[service? as usize];
+    pub(super) fn local_named(
+        &self,
+        index: ComponentId,
+        service: Option<u32>,
+        name: &str,
+    ) -> Option<u32> {
+        let service = &self.spec.components[index].services[service? as usize];
         let found = service.params.iter().position(|param| param.name == name)?;
         Some(found as u32)
     }
 
     fn explicit_target(
         &mut self,
-        index: u32,
+        index: ComponentId,
         service: Option<u32>,
         source: SourceKind,
         written: &PathParts<'a>,
     ) -> Option<Target> {
         let name = &written.first.text;
-        let state = &self.components[index as usize];
-        let component = &self.spec.components[index as usize];
+        let state = &self.components[index];
+        let component = &self.spec.components[index];
         let name = name.clone();
         let (found, kind) = match source {
             SourceKind::Ids => {
@@ -195,12 +204,12 @@ impl<'a> Elaborator<'a> {
 
     fn implicit_target(
         &mut self,
-        index: u32,
+        index: ComponentId,
         service: Option<u32>,
         written: &PathParts<'a>,
     ) -> Option<Target> {
         let name = &written.first.text;
-        let state = &self.components[index as usize];
+        let state = &self.components[index];
         let mut found = [
             self.ids_member(index, name).map(Target::Ids),
             self.local_named(index, service, name).map(Target::Local),
@@ -258,15 +267,20 @@ impl<'a> Elaborator<'a> {
     }
 
     /// Every name that a parameter could use.
-    fn sources(&self, index: u32, service: Option<u32>, only: Option<SourceKind>) -> Vec<Text> {
-        let state = &self.components[index as usize];
+    fn sources(
+        &self,
+        index: ComponentId,
+        service: Option<u32>,
+        only: Option<SourceKind>,
+    ) -> Vec<Text> {
+        let state = &self.components[index];
         let wanted = |source| only.is_none_or(|other| other == source);
         let mut names: Vec<Text> = Vec::new();
         if let Some(scope) = state.ids.filter(|_| wanted(SourceKind::Ids)) {
             names.extend(self.scopes.get(scope).names.keys().cloned());
         }
         if let Some(service) = service.filter(|_| wanted(SourceKind::Local)) {
-            let service = &self.spec.components[index as usize].services[service as usize];
+            let service = &self.spec.components[index].services[service as usize];
             names.extend(service.params.iter().map(|param| param.name.clone()));
         }
         if wanted(SourceKind::Port) {
@@ -278,8 +292,13 @@ impl<'a> Elaborator<'a> {
         names
     }
 
-    fn target_def(&self, index: u32, service: Option<u32>, target: Target) -> Option<DefId> {
-        let state = &self.components[index as usize];
+    fn target_def(
+        &self,
+        index: ComponentId,
+        service: Option<u32>,
+        target: Target,
+    ) -> Option<DefId> {
+        let state = &self.components[index];
         match target {
             Target::Ids(member) => self.type_defs[member.0 as usize],
             Target::Local(local) => {
@@ -291,11 +310,11 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    fn report_no_ids(&mut self, index: u32, at: Src) {
-        if self.components[index as usize].incomplete {
+    fn report_no_ids(&mut self, index: ComponentId, at: Src) {
+        if self.components[index].incomplete {
             return;
         }
-        let name = &self.spec.components[index as usize].name;
+        let name = &self.spec.components[index].name;
 
         self.error(at, CodelProblem::NoIds { component: name.clone() });
     }
@@ -304,13 +323,13 @@ impl<'a> Elaborator<'a> {
 
     fn whole_ids(
         &mut self,
-        index: u32,
+        index: ComponentId,
         decl: &'a ParamDecl,
         rename: &'a Name,
         access: AccessKind,
     ) -> Option<Param> {
         let at = self.src(decl.ptr);
-        let Some(ids) = self.spec.components[index as usize].ids else {
+        let Some(ids) = self.spec.components[index].ids else {
             self.report_no_ids(index, at);
             return None;
         };
@@ -329,8 +348,13 @@ impl<'a> Elaborator<'a> {
         })
     }
 
-    fn ids_param(&mut self, index: u32, member: TypeId, written: &PathParts<'a>) -> Option<Param> {
-        let ids = self.spec.components[index as usize].ids?;
+    fn ids_param(
+        &mut self,
+        index: ComponentId,
+        member: TypeId,
+        written: &PathParts<'a>,
+    ) -> Option<Param> {
+        let ids = self.spec.components[index].ids?;
         self.refer_target(index, None, Target::Ids(member), written);
         let mut path = vec![PathElement::Member(written.first.text.clone())];
         let ty = self.walk(self.spec.member_type(member), written, &mut path)?;
@@ -353,14 +377,14 @@ impl<'a> Elaborator<'a> {
 
     fn local_param(
         &mut self,
-        index: u32,
+        index: ComponentId,
         service: u32,
         local: u32,
         written: &PathParts<'a>,
         kind: CodelKind,
     ) -> Option<Param> {
         self.refer_target(index, Some(service), Target::Local(local), written);
-        let known = &self.spec.components[index as usize].services[service as usize];
+        let known = &self.spec.components[index].services[service as usize];
         let known = &known.params[local as usize];
         let (base, dir, place) = (known.ty, known.dir, known.src);
         let mut path = Vec::new();
@@ -388,9 +412,14 @@ impl<'a> Elaborator<'a> {
         })
     }
 
-    fn port_param(&mut self, index: u32, port: u32, written: &PathParts<'a>) -> Option<Param> {
+    fn port_param(
+        &mut self,
+        index: ComponentId,
+        port: u32,
+        written: &PathParts<'a>,
+    ) -> Option<Param> {
         self.refer_target(index, None, Target::Port(port), written);
-        let known = &self.spec.components[index as usize].ports[port as usize];
+        let known = &self.spec.components[index].ports[port as usize];
         let (dir, data, place) = (known.dir, known.data, known.src);
         let name = &written.first.text;
         if !written.rest.is_empty() {
@@ -425,9 +454,14 @@ impl<'a> Elaborator<'a> {
         })
     }
 
-    fn remote_param(&mut self, index: u32, remote: u32, written: &PathParts<'a>) -> Option<Param> {
+    fn remote_param(
+        &mut self,
+        index: ComponentId,
+        remote: u32,
+        written: &PathParts<'a>,
+    ) -> Option<Param> {
         self.refer_target(index, None, Target::Remote(remote), written);
-        let ty = self.spec.components[index as usize].remotes[remote as usize].ty;
+        let ty = self.spec.components[index].remotes[remote as usize].ty;
         let name = &written.first.text;
         if !written.rest.is_empty() {
             self.error(written.at, CodelProblem::RemoteMember { name: name.clone() });
@@ -451,7 +485,7 @@ impl<'a> Elaborator<'a> {
 
     fn refer_target(
         &mut self,
-        index: u32,
+        index: ComponentId,
         service: Option<u32>,
         target: Target,
         written: &PathParts<'a>,

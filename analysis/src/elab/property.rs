@@ -14,7 +14,7 @@ use crate::{
         values::ValueProblem,
     },
     item_tree::{Duration, Expr, ExprKind, Path, Property, PropertyKind},
-    model::{Gap, Missing, Owner, Quantity, Seconds, Src, TypeId, TypeKind, Value},
+    model::{ComponentId, Gap, Missing, Owner, Quantity, Seconds, Src, TypeId, TypeKind, Value},
     release::Change,
 };
 
@@ -89,21 +89,21 @@ pub(super) fn text(expr: &Expr) -> Option<String> {
 
 impl<'a> Elaborator<'a> {
     /// A property directly in the body of a component or interface.
-    pub(super) fn component_property(&mut self, index: u32, property: &'a Property) {
+    pub(super) fn component_property(&mut self, index: ComponentId, property: &'a Property) {
         let at = self.src(property.ptr);
         let word = keyword(&property.kind);
         match &property.kind {
             PropertyKind::Doc(doc) => {
-                let mut docs = self.spec.components[index as usize].doc.take();
+                let mut docs = self.spec.components[index].doc.take();
                 self.add_doc(&mut docs, doc);
-                self.spec.components[index as usize].doc = docs;
+                self.spec.components[index].doc = docs;
             }
             PropertyKind::Version(value)
             | PropertyKind::Lang(value)
             | PropertyKind::Email(value) => {
                 let Some(value) = text(value) else { return };
                 if self.first_in_component(index, word, &value, at) {
-                    let component = &mut self.spec.components[index as usize];
+                    let component = &mut self.spec.components[index];
                     let slot = match word {
                         "version" => &mut component.version,
                         "lang" => &mut component.lang,
@@ -114,20 +114,20 @@ impl<'a> Elaborator<'a> {
             }
             PropertyKind::Requires(list) => {
                 let added = self.string_list(list, word);
-                union(&mut self.spec.components[index as usize].requires, added);
+                union(&mut self.spec.components[index].requires, added);
                 self.note_requirements(list);
             }
             PropertyKind::CodelsRequires(list) => self.codels_requires(index, list, word, at),
             PropertyKind::ClockRate(duration) => {
                 let value = self.time(duration, word, at);
                 if self.once_in_component(index, word, at) {
-                    self.spec.components[index as usize].clock_rate = value;
+                    self.spec.components[index].clock_rate = value;
                 }
             }
             PropertyKind::Stack(size) if self.spec.release.has(Change::ComponentStack) => {
                 let value = self.stack(size, at);
                 if self.once_in_component(index, word, at) {
-                    self.spec.components[index as usize].stack = value;
+                    self.spec.components[index].stack = value;
                     self.newer(Change::ComponentStack, "a `stack` for a whole component", at);
                 }
             }
@@ -136,7 +136,7 @@ impl<'a> Elaborator<'a> {
             | PropertyKind::Extends(names) => self.imports(index, names, word),
             PropertyKind::Throws(list) => {
                 let added = self.throws(list, index, None);
-                union(&mut self.spec.components[index as usize].throws, added);
+                union(&mut self.spec.components[index].throws, added);
             }
             PropertyKind::Local { ty, .. } => {
                 let at = self.src(ty.ptr);
@@ -157,9 +157,15 @@ impl<'a> Elaborator<'a> {
     }
 
     /// The packages that codels require.
-    fn codels_requires(&mut self, index: u32, list: &'a [Expr], word: &'static str, at: Src) {
+    fn codels_requires(
+        &mut self,
+        index: ComponentId,
+        list: &'a [Expr],
+        word: &'static str,
+        at: Src,
+    ) {
         let added = self.string_list(list, word);
-        let given = &mut self.components[index as usize].given;
+        let given = &mut self.components[index].given;
         if let Some(&first) = given.get(word) {
             self.newer_or(
                 Change::MergedProperties,
@@ -170,7 +176,7 @@ impl<'a> Elaborator<'a> {
         } else {
             given.insert(word, at);
         }
-        union(&mut self.spec.components[index as usize].codels_requires, added);
+        union(&mut self.spec.components[index].codels_requires, added);
     }
 
     pub(super) fn local_outside(&mut self, at: Src, place: &'static str) {
@@ -179,7 +185,13 @@ impl<'a> Elaborator<'a> {
 
     /// Like [`Self::once_in_component`], for properties that may be repeated in newer releases: the first one
     /// counts.
-    fn first_in_component(&mut self, index: u32, word: &'static str, value: &str, at: Src) -> bool {
+    fn first_in_component(
+        &mut self,
+        index: ComponentId,
+        word: &'static str,
+        value: &str,
+        at: Src,
+    ) -> bool {
         if self.repeats_first(index, word, value) {
             self.newer(Change::MergedProperties, "a property that is repeated", at);
             return false;
@@ -189,21 +201,26 @@ impl<'a> Elaborator<'a> {
 
     /// Returns true if a property of a component is already given and may be repeated: languages must then be
     /// equal.
-    pub(super) fn repeats_first(&self, index: u32, word: &'static str, value: &str) -> bool {
+    pub(super) fn repeats_first(
+        &self,
+        index: ComponentId,
+        word: &'static str,
+        value: &str,
+    ) -> bool {
         let merges = match word {
             "version" | "email" => true,
-            "lang" => self.spec.components[index as usize].lang.as_deref() == Some(value),
+            "lang" => self.spec.components[index].lang.as_deref() == Some(value),
             _ => false,
         };
         merges
             && self.spec.release.has(Change::MergedProperties)
-            && self.components[index as usize].given.contains_key(word)
+            && self.components[index].given.contains_key(word)
     }
 
-    fn once_in_component(&mut self, index: u32, word: &'static str, at: Src) -> bool {
-        let mut given = std::mem::take(&mut self.components[index as usize].given);
+    fn once_in_component(&mut self, index: ComponentId, word: &'static str, at: Src) -> bool {
+        let mut given = std::mem::take(&mut self.components[index].given);
         let first = self.once(&mut given, word, at);
-        self.components[index as usize].given = given;
+        self.components[index].given = given;
         first
     }
 
@@ -256,7 +273,7 @@ impl<'a> Elaborator<'a> {
     pub(super) fn throws(
         &mut self,
         list: &'a [Path],
-        component: u32,
+        component: ComponentId,
         owner: Option<Owner>,
     ) -> Vec<TypeId> {
         let mut exceptions = Vec::with_capacity(list.len());

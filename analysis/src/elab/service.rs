@@ -19,8 +19,8 @@ use crate::{
     },
     item_tree::{CodelDecl, Item, Name, Property, PropertyKind, ServiceDecl},
     model::{
-        CodelKind, ComponentKind, Missing, Name as Text, Owner, OwnerBody, Service, ServiceKind,
-        ServiceList, Src,
+        CodelKind, ComponentId, ComponentKind, Missing, Name as Text, Owner, OwnerBody, Service,
+        ServiceKind, ServiceList, Src,
     },
     release::Change,
 };
@@ -39,7 +39,7 @@ pub(super) fn kind_text(kind: ServiceKind) -> &'static str {
 }
 
 impl<'a> Elaborator<'a> {
-    pub(super) fn service(&mut self, index: u32, decl: &'a ServiceDecl) {
+    pub(super) fn service(&mut self, index: ComponentId, decl: &'a ServiceDecl) {
         let Some(name) = &decl.name else { return };
         let at = self.src(name.ptr);
         if name.text == "all" {
@@ -49,21 +49,20 @@ impl<'a> Elaborator<'a> {
             return;
         }
         let params = self.service_params(index, decl);
-        let known = self.components[index as usize].service_by_name.get(&name.text).copied();
+        let known = self.components[index].service_by_name.get(&name.text).copied();
         let service = if let Some(service) = known {
-            let def = self.components[index as usize].services[service as usize].def;
+            let def = self.components[index].services[service as usize].def;
             self.refer_as(at, def, AccessKind::Declaration);
             if !self.check_kind(index, service, decl.kind, at) {
                 return;
             }
             self.merge_params(index, service, &params, at);
-            self.spec.components[index as usize].services[service as usize].src = at;
+            self.spec.components[index].services[service as usize].src = at;
             service
         } else {
             let service = self.new_service(index, decl, name);
-            let outer = self
-                .container
-                .replace(self.components[index as usize].services[service as usize].def);
+            let outer =
+                self.container.replace(self.components[index].services[service as usize].def);
             for NewParam { param, name_src } in params {
                 let node = param.src;
                 self.add_param(index, service, param, name_src, node, DefKind::Parameter);
@@ -73,7 +72,7 @@ impl<'a> Elaborator<'a> {
         };
         if decl.kind == ServiceKind::Attribute && known.is_none() {
             let (visit, scope) = (self.visit, self.scope);
-            let state = &mut self.components[index as usize].services[service as usize];
+            let state = &mut self.components[index].services[service as usize];
             state.paths =
                 decl.params.iter().map(|decl| PathSource { decl, visit, scope }).collect();
         }
@@ -83,7 +82,7 @@ impl<'a> Elaborator<'a> {
             owner: Owner::Service(service),
             node,
         });
-        let state = &mut self.components[index as usize].services[service as usize];
+        let state = &mut self.components[index].services[service as usize];
         state.locals_here.clear();
         let container = state.def;
         let outer = self.container.replace(container);
@@ -98,9 +97,9 @@ impl<'a> Elaborator<'a> {
     }
 
     /// Returns true if a port or remote has the name, and reports it.
-    pub(super) fn taken_by_other(&mut self, index: u32, name: &Text, at: Src) -> bool {
-        let state = &self.components[index as usize];
-        let component = &self.spec.components[index as usize];
+    pub(super) fn taken_by_other(&mut self, index: ComponentId, name: &Text, at: Src) -> bool {
+        let state = &self.components[index];
+        let component = &self.spec.components[index];
         let taken = if let Some(port) = state.port_by_name.get(name) {
             Some(("a port", component.ports[*port as usize].src))
         } else {
@@ -122,12 +121,12 @@ impl<'a> Elaborator<'a> {
     /// Returns true if the service declared before has this kind; reports it otherwise.
     pub(super) fn check_kind(
         &mut self,
-        index: u32,
+        index: ComponentId,
         service: u32,
         kind: ServiceKind,
         at: Src,
     ) -> bool {
-        let known = &self.spec.components[index as usize].services[service as usize];
+        let known = &self.spec.components[index].services[service as usize];
         if known.kind == kind {
             return true;
         }
@@ -147,7 +146,7 @@ impl<'a> Elaborator<'a> {
         false
     }
 
-    fn new_service(&mut self, index: u32, decl: &ServiceDecl, name: &Name) -> u32 {
+    fn new_service(&mut self, index: ComponentId, decl: &ServiceDecl, name: &Name) -> u32 {
         let at = self.src(name.ptr);
         let kind = match decl.kind {
             ServiceKind::Attribute => DefKind::Attribute,
@@ -163,14 +162,14 @@ impl<'a> Elaborator<'a> {
 
     pub(super) fn insert_service(
         &mut self,
-        index: u32,
+        index: ComponentId,
         name: &Text,
         kind: ServiceKind,
         src: Src,
         def: DefId,
-        imported_from: Option<u32>,
+        imported_from: Option<ComponentId>,
     ) -> u32 {
-        let services = &mut self.spec.components[index as usize].services;
+        let services = &mut self.spec.components[index].services;
         let service = services.len() as u32;
         services.push(Service {
             name: name.clone(),
@@ -186,7 +185,7 @@ impl<'a> Elaborator<'a> {
             after: ServiceList::default(),
             imported_from,
         });
-        let state = &mut self.components[index as usize];
+        let state = &mut self.components[index];
         state.services.push(ServiceState {
             def,
             params: Vec::new(),
@@ -204,7 +203,7 @@ impl<'a> Elaborator<'a> {
 
     fn service_property(
         &mut self,
-        index: u32,
+        index: ComponentId,
         service: u32,
         kind: ServiceKind,
         name: &'a Name,
@@ -212,7 +211,7 @@ impl<'a> Elaborator<'a> {
     ) {
         let at = self.src(property.ptr);
         let word = keyword(&property.kind);
-        let (c, s) = (index as usize, service as usize);
+        let (c, s) = (index, service as usize);
         match &property.kind {
             PropertyKind::Doc(doc) => {
                 let mut docs = self.spec.components[c].services[s].doc.take();
@@ -280,7 +279,7 @@ impl<'a> Elaborator<'a> {
     /// The services that a service must run before or after.
     fn order(
         &mut self,
-        index: u32,
+        index: ComponentId,
         service: u32,
         name: &Name,
         list: &'a [Name],
@@ -295,22 +294,20 @@ impl<'a> Elaborator<'a> {
                     self.error(*src, DeclarationProblem::ListsItself { name: text.clone(), word });
                 }
             }
-            self.components[index as usize].services[service as usize].lists[which] =
-                NameList { names };
+            self.components[index].services[service as usize].lists[which] = NameList { names };
         }
     }
 
     /// The task that runs an activity.
     fn activity_task(
         &mut self,
-        index: u32,
+        index: ComponentId,
         service: u32,
         task: &Name,
         word: &'static str,
         at: Src,
     ) {
-        let again =
-            self.components[index as usize].services[service as usize].given.contains_key(word);
+        let again = self.components[index].services[service as usize].given.contains_key(word);
         if again && self.spec.release.has(Change::MergedProperties) {
             // The first one counts.
             self.task_named(index, task, at);
@@ -318,14 +315,14 @@ impl<'a> Elaborator<'a> {
         } else if self.once_in_service(index, service, word, at)
             && let Some(task) = self.task_named(index, task, at)
         {
-            self.spec.components[index as usize].services[service as usize].task = Some(task);
+            self.spec.components[index].services[service as usize].task = Some(task);
         }
     }
 
     /// A codel other than `validate`, in its place for the kind of service.
     fn service_codel(
         &mut self,
-        index: u32,
+        index: ComponentId,
         service: u32,
         kind: ServiceKind,
         name: &Name,
@@ -376,17 +373,23 @@ impl<'a> Elaborator<'a> {
         );
     }
 
-    fn once_in_service(&mut self, index: u32, service: u32, word: &'static str, at: Src) -> bool {
-        let state = &mut self.components[index as usize].services[service as usize];
+    fn once_in_service(
+        &mut self,
+        index: ComponentId,
+        service: u32,
+        word: &'static str,
+        at: Src,
+    ) -> bool {
+        let state = &mut self.components[index].services[service as usize];
         let mut given = std::mem::take(&mut state.given);
         let first = self.once(&mut given, word, at);
-        self.components[index as usize].services[service as usize].given = given;
+        self.components[index].services[service as usize].given = given;
         first
     }
 
     /// The task that an activity names; a missing one is reported.
-    fn task_named(&mut self, index: u32, task: &Name, at: Src) -> Option<u32> {
-        let state = &self.components[index as usize];
+    fn task_named(&mut self, index: ComponentId, task: &Name, at: Src) -> Option<u32> {
+        let state = &self.components[index];
         let Some(&found) = state.task_by_name.get(&task.text) else {
             if self.is_excused(index, &task.text) {
                 let name = task.text.clone();
@@ -426,8 +429,8 @@ impl<'a> Elaborator<'a> {
     // The end of the body
 
     /// Resolves the lists of services, and checks that activities are complete.
-    pub(super) fn close_services(&mut self, index: u32) {
-        let c = index as usize;
+    pub(super) fn close_services(&mut self, index: ComponentId) {
+        let c = index;
         for s in 0..self.spec.components[c].services.len() {
             let lists = self.components[c].services[s].lists.clone();
             let mut resolved = lists.iter().map(|name_list| self.resolve_list(index, name_list));
@@ -443,14 +446,14 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    fn resolve_list(&mut self, index: u32, list: &NameList) -> ServiceList {
+    fn resolve_list(&mut self, index: ComponentId, list: &NameList) -> ServiceList {
         let mut resolved = ServiceList::default();
         for (name, at) in &list.names {
             if name == "all" {
                 resolved.all = true;
                 continue;
             }
-            let state = &self.components[index as usize];
+            let state = &self.components[index];
             match state.service_by_name.get(name).copied() {
                 Some(service) => {
                     let def = state.services[service as usize].def;
@@ -468,7 +471,7 @@ impl<'a> Elaborator<'a> {
                     let near = self.near(*at, name, candidates);
                     let remote = state.remote_by_name.contains_key(name);
                     let name = name.clone();
-                    let component = self.spec.components[index as usize].name.clone();
+                    let component = self.spec.components[index].name.clone();
                     let kind = if remote {
                         DeclarationProblem::OnlyRemote { name, component }
                     } else {
@@ -482,13 +485,13 @@ impl<'a> Elaborator<'a> {
         resolved
     }
 
-    fn check_activity(&mut self, index: u32, service: usize) {
-        let component = &self.spec.components[index as usize];
+    fn check_activity(&mut self, index: ComponentId, service: usize) {
+        let component = &self.spec.components[index];
         let activity = &component.services[service];
         if activity.kind != ServiceKind::Activity {
             return;
         }
-        let state = &self.components[index as usize];
+        let state = &self.components[index];
         if state.incomplete {
             return;
         }

@@ -6,7 +6,7 @@ use crate::finding::role::Role;
 use crate::{
     finding::{Finding, services::DeclarationProblem},
     item_tree::{Declarator, ParamDecl, ParamSpec, PathStep, ServiceDecl, TypeRef},
-    model::{Param, ParamDir, ParamSource, Src, TypeId, TypeKind},
+    model::{ComponentId, Param, ParamDir, ParamSource, Src, TypeId, TypeKind},
     release::Change,
 };
 
@@ -17,7 +17,11 @@ pub(super) struct NewParam {
 }
 
 impl<'a> Elaborator<'a> {
-    pub(super) fn service_params(&mut self, index: u32, decl: &'a ServiceDecl) -> Vec<NewParam> {
+    pub(super) fn service_params(
+        &mut self,
+        index: ComponentId,
+        decl: &'a ServiceDecl,
+    ) -> Vec<NewParam> {
         let mut params: Vec<NewParam> = Vec::with_capacity(decl.params.len());
         let mut native = None;
         for param in &decl.params {
@@ -54,7 +58,7 @@ impl<'a> Elaborator<'a> {
         params
     }
 
-    fn service_param(&mut self, index: u32, decl: &'a ParamDecl) -> Option<NewParam> {
+    fn service_param(&mut self, index: ComponentId, decl: &'a ParamDecl) -> Option<NewParam> {
         let src = self.src(decl.ptr);
         let (mut param, name_src) = match &decl.spec {
             ParamSpec::Typed { ty, declarator } => {
@@ -122,30 +126,41 @@ impl<'a> Elaborator<'a> {
 
     pub(super) fn add_param(
         &mut self,
-        index: u32,
+        index: ComponentId,
         service: u32,
         param: Param,
         name_src: Src,
         node: Src,
         kind: DefKind,
     ) {
-        let position =
-            self.spec.components[index as usize].services[service as usize].params.len() as u32;
+        let position = self.spec.components[index].services[service as usize].params.len() as u32;
         let def = self.define(kind, &param.name, name_src, node, None);
         self.definitions[def.0 as usize].ty = Some(param.ty);
         self.set_entity(def, Entity::Param(index, service, position));
         self.push_param(index, service, param, def);
     }
 
-    pub(super) fn push_param(&mut self, index: u32, service: u32, param: Param, def: DefId) {
-        let (c, s) = (index as usize, service as usize);
+    pub(super) fn push_param(
+        &mut self,
+        index: ComponentId,
+        service: u32,
+        param: Param,
+        def: DefId,
+    ) {
+        let (c, s) = (index, service as usize);
         self.spec.components[c].services[s].params.push(param);
         self.components[c].services[s].params.push(def);
     }
 
     /// Compares the parameters of a repeated declaration with those of the first.
-    pub(super) fn merge_params(&mut self, index: u32, service: u32, params: &[NewParam], at: Src) {
-        let (c, s) = (index as usize, service as usize);
+    pub(super) fn merge_params(
+        &mut self,
+        index: ComponentId,
+        service: u32,
+        params: &[NewParam],
+        at: Src,
+    ) {
+        let (c, s) = (index, service as usize);
         for (position, new) in params.iter().enumerate() {
             let known = self.spec.components[c].services[s].params.get(position);
             let known = known.filter(|param| param.dir != ParamDir::Local);
@@ -163,13 +178,13 @@ impl<'a> Elaborator<'a> {
     /// `import`, problems are reported there.
     pub(super) fn compare_params(
         &mut self,
-        index: u32,
+        index: ComponentId,
         service: u32,
         params: &[&Param],
         at: Src,
         import: Option<Src>,
     ) {
-        let known = &self.spec.components[index as usize].services[service as usize];
+        let known = &self.spec.components[index].services[service as usize];
         let expected: Vec<&Param> =
             known.params.iter().filter(|param| param.dir != ParamDir::Local).collect();
         let mut problems: Vec<Finding> = Vec::new();
@@ -239,7 +254,7 @@ impl<'a> Elaborator<'a> {
     /// Adds local variables, or compares them with existing ones of the same name.
     pub(super) fn locals(
         &mut self,
-        index: u32,
+        index: ComponentId,
         service: u32,
         ty: &'a TypeRef,
         declarators: &'a [Declarator],
@@ -260,7 +275,7 @@ impl<'a> Elaborator<'a> {
                 path: Vec::new(),
                 init: None,
             };
-            let here = &mut self.components[index as usize].services[service as usize].locals_here;
+            let here = &mut self.components[index].services[service as usize].locals_here;
             let again = here.contains(name);
             here.push(name.clone());
             self.add_local(index, service, local, src, again);
@@ -269,9 +284,9 @@ impl<'a> Elaborator<'a> {
 
     /// Adds a local variable of the service. `again`: the same declaration of the service already has a
     /// variable of its name.
-    fn add_local(&mut self, index: u32, service: u32, local: Param, src: Src, again: bool) {
-        let state = &self.components[index as usize].services[service as usize];
-        let known = &self.spec.components[index as usize].services[service as usize];
+    fn add_local(&mut self, index: ComponentId, service: u32, local: Param, src: Src, again: bool) {
+        let state = &self.components[index].services[service as usize];
+        let known = &self.spec.components[index].services[service as usize];
         let position = known.params.iter().position(|param| param.name == local.name);
         let Some(position) = position else {
             self.add_param(index, service, local, src, src, DefKind::Local);

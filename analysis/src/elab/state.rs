@@ -7,7 +7,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::{DefId, scope::ScopeId};
 use crate::{
     item_tree::{CodelDecl, ParamDecl},
-    model::{CodelKind, Name as Text, ParamDir, Seconds, Src, TypeId},
+    model::{CodelKind, ComponentId, Name as Text, ParamDir, Seconds, Src, TypeId},
     release::{Change, Release},
 };
 
@@ -39,9 +39,9 @@ pub(super) struct ComponentState<'a> {
     /// True if an interface could not be imported, so that any name may be missing.
     pub(super) incomplete: bool,
     /// Interfaces whose contents it has, directly or indirectly.
-    pub(super) imported: Vec<u32>,
+    pub(super) imported: Vec<ComponentId>,
     /// Interfaces in its `uses`, `extends` and `provides`, and in those of the interfaces it imports.
-    pub(super) lists: [Vec<u32>; 3],
+    pub(super) lists: [Vec<ComponentId>; 3],
     /// Index of its last closing.
     pub(super) closing: Option<usize>,
 }

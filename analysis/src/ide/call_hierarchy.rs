@@ -95,7 +95,7 @@ pub(crate) fn prepare(view: &FileView<'_>, at: usize) -> Option<Vec<CallItem>> {
                     let container = &elaborated.definition(container).name;
                     *container == component.name
                         || component.provides.iter().chain(&component.extends).any(|provided| {
-                            elaborated.spec.components[*provided as usize].name == *container
+                            elaborated.spec.components[*provided].name == *container
                         })
                 });
                 for (index, _) in found.filter(|_| of_it) {

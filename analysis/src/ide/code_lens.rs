@@ -12,7 +12,7 @@ use smol_str::SmolStr;
 use super::{AccessKind, FileRange, FileView, inlay_hints::is_machine, references::references};
 use crate::{
     elab::{DefKind, Definition, Elaborated, Entity},
-    model::{Owner, Param, ParamSource, PathElement, ServiceKind},
+    model::{ComponentId, Owner, Param, ParamSource, PathElement, ServiceKind},
     source_map::bytes,
 };
 
@@ -144,8 +144,13 @@ fn line(view: &FileView<'_>, offset: usize) -> Range<usize> {
     start..text[offset..].find('\n').map_or(text.len(), |at| offset + at)
 }
 
-fn machine(elaborated: &Elaborated, component: u32, owner: Owner, name: &str) -> Option<LensKind> {
-    let component = elaborated.spec.components.get(component as usize)?;
+fn machine(
+    elaborated: &Elaborated,
+    component: ComponentId,
+    owner: Owner,
+    name: &str,
+) -> Option<LensKind> {
+    let component = elaborated.spec.components.get(component)?;
     is_machine(component, owner)
         .then(|| LensKind::StateMachine { component: component.name.clone(), owner: name.into() })
 }
@@ -201,8 +206,7 @@ fn accesses(elaborated: &Elaborated, definition: &Definition) -> Accesses {
         Some(Entity::Port(component, _)) => Some(component),
         _ => home(elaborated, definition),
     };
-    let component =
-        component.and_then(|component| elaborated.spec.components.get(component as usize));
+    let component = component.and_then(|component| elaborated.spec.components.get(component));
     let Some(component) = component else {
         return out;
     };
@@ -234,7 +238,7 @@ fn accesses(elaborated: &Elaborated, definition: &Definition) -> Accesses {
 }
 
 /// The component around a definition.
-fn home(elaborated: &Elaborated, definition: &Definition) -> Option<u32> {
+fn home(elaborated: &Elaborated, definition: &Definition) -> Option<ComponentId> {
     elaborated.containers(definition).find_map(|around| match around.entity {
         Some(Entity::Component(component)) => Some(component),
         _ => None,

@@ -119,7 +119,7 @@ pub(super) fn value_type(spec: &Spec, id: TypeId) -> Option<TypeId> {
         | TypeKind::Typedef { ty } => *ty,
         TypeKind::Enumerator { enumeration, .. } => *enumeration,
         TypeKind::Port { component, port } => {
-            let component = spec.components.get(*component as usize)?;
+            let component = spec.components.get(*component)?;
             component.ports.get(*port as usize)?.data
         }
         TypeKind::ForwardStruct { definition } | TypeKind::ForwardUnion { definition } => {

@@ -16,7 +16,7 @@ use crate::{
     base::{SourceFile, lexed},
     elab::{DefId, DefKind, Definition, Elaborated, Entity},
     markdown,
-    model::{Component, TypeKind, Value},
+    model::{Component, ComponentId, TypeKind, Value},
     source_map::bytes,
     unit::define,
 };
@@ -234,7 +234,7 @@ fn type_facts(elaborated: &Elaborated, definition: &Definition) -> Vec<String> {
 
 fn doc(elaborated: &Elaborated, definition: &Definition) -> Option<String> {
     let components = &elaborated.spec.components;
-    let of = |c: u32| -> Option<&Component> { components.get(c as usize) };
+    let of = |c: ComponentId| -> Option<&Component> { components.get(c) };
     let doc = match definition.entity? {
         Entity::Component(c) => of(c)?.doc.clone(),
         Entity::Task(c, i) => of(c)?.tasks.get(i as usize)?.doc.clone(),

@@ -82,13 +82,11 @@ fn completions(
         },
         _ => return Vec::new(),
     };
-    let Some(index) = spec.components.iter().position(|component| component.name == interface)
-    else {
+    let Some(index) = spec.components.position(|component| component.name == interface) else {
         return Vec::new();
     };
-    let index = index as u32;
     let mut out = Vec::new();
-    for (number, component) in (0..).zip(&spec.components) {
+    for (number, component) in spec.components.iter_enumerated() {
         let provides = component.provides.contains(&index) || component.extends.contains(&index);
         if number == index || !provides || component.kind != ComponentKind::Component {
             continue;

@@ -13,8 +13,8 @@ use super::{FileView, render};
 use crate::{
     elab::DefKind,
     model::{
-        CodelKind, Component, ComponentKind, Owner, Param, Seconds, ServiceKind, Src, TypeKind,
-        fsm::Machine, turn::Turn,
+        CodelKind, Component, ComponentId, ComponentKind, Owner, Param, Seconds, ServiceKind, Src,
+        TypeKind, fsm::Machine, turn::Turn,
     },
     quantity,
     source_map::{bytes, offset},
@@ -89,7 +89,7 @@ pub(crate) fn inlay_hints(
 ) -> Vec<InlayHint> {
     let mut hints = Hints { view, range, out: Vec::new() };
     let elaborated = view.elaborated();
-    for (number, component) in (0..).zip(&elaborated.spec.components) {
+    for (number, component) in elaborated.spec.components.iter_enumerated() {
         if config.types != InlayTypes::Off {
             hints.types(number, component, config.types == InlayTypes::All);
         }
@@ -151,7 +151,7 @@ impl Hints<'_, '_> {
         }
     }
 
-    fn types(&mut self, number: u32, component: &Component, all: bool) {
+    fn types(&mut self, number: ComponentId, component: &Component, all: bool) {
         let services = component.services.iter();
         let attributes = services.filter(|service| service.kind == ServiceKind::Attribute);
         let mut params: Vec<&Param> = attributes.flat_map(|attribute| &attribute.params).collect();
@@ -179,7 +179,7 @@ impl Hints<'_, '_> {
     }
 
     /// Mentions in a component of data that another declaration contains.
-    fn inherited(&self, number: u32, component: &Component) -> Vec<usize> {
+    fn inherited(&self, number: ComponentId, component: &Component) -> Vec<usize> {
         let elaborated = self.view.elaborated();
         let references = elaborated.references.iter();
         let foreign = references.filter(|reference| {

@@ -7,12 +7,14 @@
 use rustc_hash::FxHashSet;
 use serde::{Deserialize, Serialize};
 
-use super::{Codel, Name, Owner, ParamDir, ParamSource, PathElement, Spec, TypeId, TypeKind};
+use super::{
+    Codel, ComponentId, Name, Owner, ParamDir, ParamSource, PathElement, Spec, TypeId, TypeKind,
+};
 
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Gap {
-    /// Index into [`Spec::components`]; `None` outside of components and interfaces.
-    pub component: Option<u32>,
+    /// `None` outside of components and interfaces.
+    pub component: Option<ComponentId>,
     /// The unresolved name.
     pub missing: Missing,
 }
@@ -79,20 +81,21 @@ pub enum SourceKind {
 
 impl Spec {
     /// The gaps of a component, those of the interfaces that it imports included.
-    pub fn gaps_of(&self, component: u32) -> impl Iterator<Item = &Missing> {
-        let declaration = &self.components[component as usize];
+    pub fn gaps_of(&self, component: ComponentId) -> impl Iterator<Item = &Missing> {
+        let declaration = &self.components[component];
         let lists = [&declaration.provides, &declaration.uses, &declaration.extends];
         self.gaps
             .iter()
             .filter(move |gap| {
-                let of = |at: u32| at == component || lists.iter().any(|all| all.contains(&at));
+                let of =
+                    |at: ComponentId| at == component || lists.iter().any(|all| all.contains(&at));
                 gap.component.is_some_and(of)
             })
             .map(|gap| &gap.missing)
     }
 
     /// Unknown interfaces that a component imports, each once.
-    pub(crate) fn missing_interfaces(&self, component: u32) -> Vec<&Name> {
+    pub(crate) fn missing_interfaces(&self, component: ComponentId) -> Vec<&Name> {
         let mut out = Vec::new();
         for gap in self.gaps_of(component) {
             if let Missing::Interface { name, .. } = gap
@@ -106,15 +109,15 @@ impl Spec {
 
     /// Interfaces from which tasks, services and codels of a component come, although nothing is known of
     /// what they declare: each is missing, or a stand-in takes its place.
-    pub fn unknown_interfaces(&self, component: u32) -> Vec<&Name> {
+    pub fn unknown_interfaces(&self, component: ComponentId) -> Vec<&Name> {
         let missing = self.gaps_of(component).filter_map(|gap| match gap {
             Missing::Interface { name, used: false } => Some(name),
             _ => None,
         });
-        let declaration = &self.components[component as usize];
+        let declaration = &self.components[component];
         let imported = [&declaration.provides, &declaration.extends].into_iter().flatten();
         let stand_ins = imported.filter(|index| self.stand_ins.contains(index));
-        let stand_ins = stand_ins.map(|&index| &self.components[index as usize].name);
+        let stand_ins = stand_ins.map(|&index| &self.components[index].name);
         let mut out: Vec<&Name> = Vec::new();
         for name in missing.chain(stand_ins) {
             if !out.contains(&name) {
@@ -126,22 +129,21 @@ impl Spec {
 
     /// Returns true if tasks, services, codels or properties of a component may come from an unknown
     /// interface.
-    pub fn lacks_declarations(&self, component: u32) -> bool {
+    pub fn lacks_declarations(&self, component: ComponentId) -> bool {
         let brings = |missing: &Missing| matches!(missing, Missing::Interface { used: false, .. });
         self.gaps_of(component).any(brings)
     }
 
     /// Returns true if a component, or one of its tasks and services, may throw unknown exceptions.
-    pub fn lacks_exceptions(&self, component: u32, owner: Owner) -> bool {
+    pub fn lacks_exceptions(&self, component: ComponentId, owner: Owner) -> bool {
         self.gaps_of(component).any(|gap| match gap {
             Missing::Interface { .. } => true,
             Missing::Exception { owner: None, .. } => true,
             Missing::Exception { owner: Some(of), .. } => {
                 let task = match owner {
-                    Owner::Service(service) => self.components[component as usize].services
-                        [service as usize]
-                        .task
-                        .map(Owner::Task),
+                    Owner::Service(service) => {
+                        self.components[component].services[service as usize].task.map(Owner::Task)
+                    }
                     Owner::Task(_) => None,
                 };
                 *of == owner || Some(*of) == task
@@ -183,7 +185,11 @@ impl Spec {
     }
 
     /// The unknown interfaces and types that a codel of a component depends on.
-    pub fn unknown_dependencies(&self, component: u32, codel: &Codel) -> UnknownDependencies {
+    pub fn unknown_dependencies(
+        &self,
+        component: ComponentId,
+        codel: &Codel,
+    ) -> UnknownDependencies {
         let mut out = UnknownDependencies::default();
         let add = |all: &mut Vec<Name>, name: &Name| {
             if !all.contains(name) {
@@ -210,7 +216,7 @@ impl Spec {
                 }
                 continue;
             }
-            let own = &self.components[component as usize].name;
+            let own = &self.components[component].name;
             let outermost = ty.scope.first().map(|scope| &scope.name);
             let name = outermost.filter(|name| *name != own).or(ty.name.as_ref());
             if let Some(name) = name {

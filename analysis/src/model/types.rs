@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Name, Spec, Src};
+use super::{ComponentId, Name, Spec, Src};
 
 /// Index into `Spec::types`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -188,12 +188,12 @@ pub enum TypeKind {
     /// The type object of a port; `component` and `port` index into `Spec::components` and
     /// `Component::ports`.
     Port {
-        component: u32,
+        component: ComponentId,
         port: u32,
     },
     /// The type object of a remote service.
     Remote {
-        component: u32,
+        component: ComponentId,
         remote: u32,
     },
     /// An unresolved type; causes no further diagnostic.

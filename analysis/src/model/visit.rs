@@ -11,7 +11,7 @@ pub(crate) trait TypeIds {
     fn for_each_type_id(&mut self, f: &mut dyn FnMut(&mut TypeId));
 }
 
-impl<T: TypeIds> TypeIds for Vec<T> {
+impl<T: TypeIds> TypeIds for [T] {
     fn for_each_type_id(&mut self, f: &mut dyn FnMut(&mut TypeId)) {
         for element in self {
             element.for_each_type_id(f);
@@ -36,7 +36,7 @@ impl TypeIds for TypeId {
 impl TypeIds for Spec {
     fn for_each_type_id(&mut self, f: &mut dyn FnMut(&mut TypeId)) {
         self.types.for_each_type_id(f);
-        self.components.for_each_type_id(f);
+        self.components.raw.for_each_type_id(f);
         self.open.for_each_type_id(f);
     }
 }

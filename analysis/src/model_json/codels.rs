@@ -47,9 +47,8 @@ impl Writer<'_> {
             self.locks(&mut out, component, reference);
         }
         self.time(&mut out, "wcet", &codel.wcet);
-        let index = self.spec.components.iter();
-        let index = index.zip(0..).find(|(index, _)| index.name == component.name);
-        if let (Some(prototypes), Some((_, index))) = (self.prototypes, index) {
+        let index = self.spec.components.position(|other| other.name == component.name);
+        if let (Some(prototypes), Some(index)) = (self.prototypes, index) {
             let prototypes = prototypes(index, codel);
             if !prototypes.is_empty() {
                 out.put("prototypes", prototypes);

@@ -112,7 +112,7 @@ fn provided_ports_have_the_type_of_the_interface() {
         let fixture = Fixture::with_config(&text, config);
         let unit = fixture.analysis().unit("/main.gen".into()).unwrap();
         assert_eq!(fixture.all_diagnostics(), "", "{release}");
-        let component = &unit.spec.components[1];
+        let component = &unit.spec.components.raw[1];
         let ty = component.ports[0].ty;
         assert_eq!(unit.spec.full_name(ty).as_deref(), Some(expected), "{release}");
         assert_eq!(unit.spec.release, release);

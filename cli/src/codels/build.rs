@@ -430,7 +430,7 @@ impl Builder<'_> {
             let mut diagnostic = Diagnostic::new(CODE, severity, message.what.clone(), path, range);
             if let Some(&(component, codel)) = codel {
                 let unit = &self.folder.unit;
-                let codel = unit.spec.components[component as usize].codel(codel);
+                let codel = unit.spec.components[component].codel(codel);
                 diagnostic.related.extend(unit.locations.locate(codel.src).map(|at| Related {
                     path: at.path,
                     range: at.range,

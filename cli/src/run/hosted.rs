@@ -63,7 +63,7 @@ pub(super) fn build<'s>(
             errors.retain(|error| error.severity == Severity::Error);
             said.add(errors, |path| Disk.read(path));
             for shared_object in built.hosted {
-                let name = &unit.spec.components[shared_object.component as usize].name;
+                let name = &unit.spec.components[shared_object.component].name;
                 let found = names.components.iter().position(|member| {
                     member.spec_index == number && member.component.name == *name
                 });

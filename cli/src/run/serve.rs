@@ -64,7 +64,7 @@ pub(super) fn start(
             continue;
         };
         let spec = problem.units[member.spec_index].spec.clone();
-        let mut all = (0u32..).zip(&spec.components);
+        let mut all = spec.components.iter_enumerated();
         let Some((component, _)) = all.find(|pair| pair.1.name == member.component.name) else {
             continue;
         };

@@ -308,10 +308,10 @@ fn of_unit(
         let Some(member) = names.components.get(site.component) else {
             continue;
         };
-        let mut components = problem.units[index].spec.components.iter();
+        let components = &problem.units[index].spec.components;
         let place = components.position(|component| std::ptr::eq(component, member.component));
         if let (true, Some(place)) = (member.spec_index == index, place) {
-            out.push(NewWcet { component: place as u32, codel: site.codel, micros: *micros });
+            out.push(NewWcet { component: place, codel: site.codel, micros: *micros });
         }
     }
     out.dedup();
@@ -366,7 +366,7 @@ fn edit_specifications(
 /// interface. The same holds for a function with several uses, because a pragma applies to a function.
 fn unify_declarations(units: &[UnitResult], wanted: &mut [Vec<NewWcet>]) {
     let place = |unit: &UnitResult, wcet: &NewWcet| {
-        let codel = (unit.spec.components.get(wcet.component as usize)?).codel(wcet.codel);
+        let codel = (unit.spec.components.get(wcet.component)?).codel(wcet.codel);
         let place = unit.locations.locate(codel.node)?;
         Some((codel.name.to_string(), (place.path, place.range.start)))
     };
@@ -449,7 +449,7 @@ fn check_unit(
     };
     let refused = |name: &str| answer.refused.iter().any(|entry| entry.0 == name);
     for wcet in wanted {
-        let component = new.spec.components.get(wcet.component as usize);
+        let component = new.spec.components.get(wcet.component);
         let Some(component) = component.filter(|of| of.all_codels().any(|one| one == wcet.codel))
         else {
             bail!("writing the times would change the specification; nothing was written");

@@ -130,7 +130,7 @@ fn codels(spec: &Spec) -> Vec<MapObject> {
     let of_interfaces = spec.release.has(Change::SignaturesOfInterfaces);
     let mut all = Vec::new();
     for kind in [ComponentKind::Component, ComponentKind::Interface] {
-        for (index, component) in (0..).zip(&spec.components) {
+        for (index, component) in spec.components.iter_enumerated() {
             if component.kind != kind || kind == ComponentKind::Interface && !of_interfaces {
                 continue;
             }

@@ -4,7 +4,7 @@ use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use dotgen_analysis::model::{ComponentKind, Spec};
+use dotgen_analysis::model::{ComponentId, ComponentKind, Spec};
 use dotgen_analysis::model_json;
 use dotgen_analysis::release::Change;
 use dotgen_syntax::encoding;
@@ -248,7 +248,7 @@ fn unique<'t>(all: impl Iterator<Item = &'t String>) -> Vec<String> {
 }
 
 /// The packages that components require, GenoM3 among them.
-fn requirements(regular: &[(u32, &Regular)]) -> Vec<String> {
+fn requirements(regular: &[(ComponentId, &Regular)]) -> Vec<String> {
     let mut requires = unique(regular.iter().flat_map(|(_, component)| &component.requires));
     let is_genom = |requirement: &String| requirement.starts_with("genom3 ");
     if !requires.iter().any(is_genom) {
@@ -260,7 +260,7 @@ fn requirements(regular: &[(u32, &Regular)]) -> Vec<String> {
 /// The files of codels, each with the value of its component, and the names of the files of each component.
 fn codel_files(
     spec: &Spec,
-    regular: &[(u32, &Regular)],
+    regular: &[(ComponentId, &Regular)],
     values: &[Value],
     options: &Options,
     notice: &str,
@@ -317,8 +317,9 @@ impl Data {
             let found = components.and_then(|all| all.iter().find(|json| json["name"] == name));
             found.cloned().unwrap_or_default()
         };
-        let regular: Vec<(u32, &Regular)> = (0..)
-            .zip(&spec.components)
+        let regular: Vec<(ComponentId, &Regular)> = spec
+            .components
+            .iter_enumerated()
             .filter(|(_, number)| number.kind == ComponentKind::Component)
             .collect();
         let values: Vec<Value> = regular

@@ -106,7 +106,7 @@ pub fn packages(folder: &Folder) -> Required {
     let spec = &folder.unit.spec;
     let mut out = Required { specification: spec.pragma_requires.clone(), codels: Vec::new() };
     for &component in &folder.components {
-        let component = &spec.components[component as usize];
+        let component = &spec.components[component];
         out.specification.extend(component.requires.iter().cloned());
         out.codels.extend(component.codels_requires.iter().cloned());
     }
@@ -148,9 +148,7 @@ pub fn plan(
     let names = folder.expected().iter().find_map(headers::flags_of_names);
     let own: Vec<&str> = {
         let components = folder.components.iter();
-        components
-            .map(|&component| folder.unit.spec.components[component as usize].name.as_str())
-            .collect()
+        components.map(|&component| folder.unit.spec.components[component].name.as_str()).collect()
     };
     let sources = || folder.sources.of_components(&own);
     let build = Build { place, codels, tools, packages };

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::model::Owner;
+use dotgen_analysis::model::{ComponentId, Owner};
 use dotgen_syntax::encoding::LineEnd;
 use serde::Serialize;
 
@@ -244,7 +244,7 @@ fn round(
         let all = folder.expected();
         let findings = project.findings(&folder, &all);
         // Stubs of one folder are made together: several may go into one new file.
-        let mut stubs: BTreeMap<u32, Vec<_>> = BTreeMap::new();
+        let mut stubs: BTreeMap<ComponentId, Vec<_>> = BTreeMap::new();
         for drift in &findings {
             let Some(expected) = all.iter().find(|expected| expected.component == drift.component)
             else {

@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 use camino::Utf8PathBuf;
 pub use dotgen_analysis::diagnostic::Severity;
-use dotgen_analysis::model::{CodelRef, Component, Name, Owner, Src, TypeId};
+use dotgen_analysis::model::{CodelRef, Component, ComponentId, Name, Owner, Src, TypeId};
 use rustc_hash::FxHashSet;
 
 use self::finding::Difference;
@@ -63,7 +63,7 @@ pub struct Drift {
     /// The details.
     pub kind: Difference,
     /// Component: index into the components of the specification.
-    pub component: u32,
+    pub component: ComponentId,
     /// Places in the specification: the codel's name, or the state that is never returned.
     pub spec: Vec<Src>,
     pub source: Option<SourcePlace>,
@@ -77,7 +77,7 @@ pub struct Drift {
 
 impl Drift {
     /// A difference with its default severity, so far without a place in the sources and without repairs.
-    fn new(kind: Difference, component: u32, spec: Vec<Src>) -> Drift {
+    fn new(kind: Difference, component: ComponentId, spec: Vec<Src>) -> Drift {
         let code = kind.code();
         let known = CODES.iter().find(|known| known.0 == code);
         Drift {
@@ -296,7 +296,7 @@ const FEW: usize = 2;
 /// the findings at the codels become hints. `found` are all findings about the component that are reported,
 /// and `defined` is the number of its codels with a function.
 pub(super) fn unwritten(
-    component: (u32, &Component),
+    component: (ComponentId, &Component),
     found: &mut [Drift],
     defined: usize,
 ) -> Option<Drift> {

@@ -6,8 +6,8 @@
 //! normalization.
 
 use dotgen_analysis::model::{
-    CodelKind, CodelRef, Component, Name, Owner, Port, Service, Spec, Src, State, TypeId, TypeKind,
-    UnknownDependencies,
+    CodelKind, CodelRef, Component, ComponentId, Name, Owner, Port, Service, Spec, Src, State,
+    TypeId, TypeKind, UnknownDependencies,
 };
 use dotgen_analysis::release::Change;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -23,7 +23,7 @@ pub struct Expected<'a> {
     /// The model.
     pub spec: &'a Spec,
     /// Index into [`Spec::components`].
-    pub component: u32,
+    pub component: ComponentId,
     /// Language of the codel interface (`lang`).
     pub language: Language,
     /// One for each function name, in order of first use.
@@ -62,15 +62,19 @@ pub struct ExpectedFunction {
 
 impl<'a> Expected<'a> {
     /// The functions that a component requires.
-    pub fn new(spec: &'a Spec, component: u32) -> Expected<'a> {
-        let language = Language::of(&spec.components[component as usize]);
+    pub fn new(spec: &'a Spec, component: ComponentId) -> Expected<'a> {
+        let language = Language::of(&spec.components[component]);
         Expected::in_language(spec, component, language)
     }
 
     /// The functions that a component requires with codels in a given language, whatever the specification
     /// says.
-    pub(crate) fn in_language(spec: &'a Spec, component: u32, language: Language) -> Expected<'a> {
-        let declaration = &spec.components[component as usize];
+    pub(crate) fn in_language(
+        spec: &'a Spec,
+        component: ComponentId,
+        language: Language,
+    ) -> Expected<'a> {
+        let declaration = &spec.components[component];
         let mut out = Expected {
             spec,
             component,
@@ -117,7 +121,7 @@ impl<'a> Expected<'a> {
     }
 
     pub fn component(&self) -> &'a Component {
-        &self.spec.components[self.component as usize]
+        &self.spec.components[self.component]
     }
 
     /// A mapper to the language of the codel interface.
@@ -301,7 +305,7 @@ impl<'a> Expected<'a> {
             let Some(interface) = port.imported_from else {
                 continue;
             };
-            let theirs = self.spec.components[interface as usize].ports.iter();
+            let theirs = self.spec.components[interface].ports.iter();
             let same = |other: &&Port| {
                 other.name == port.name && other.dir == port.dir && other.ty != port.ty
             };

@@ -8,7 +8,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::codes::CODEL;
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_analysis::host::{Analysis, Cancellable, UnitResult};
-use dotgen_analysis::model::{ComponentKind, Missing, Name};
+use dotgen_analysis::model::{ComponentId, ComponentKind, Missing, Name};
 use dotgen_analysis::source_map::Locations;
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -30,7 +30,7 @@ pub struct Folder {
     pub specification: Utf8PathBuf,
     pub unit: UnitResult,
     /// Indexes into the components of the unit.
-    pub components: Vec<u32>,
+    pub components: Vec<ComponentId>,
     /// The sources in the folder.
     pub sources: Sources,
     /// Names of codels of other specifications in the same folder.
@@ -45,7 +45,7 @@ impl Folder {
     /// Keeps the components whose name is wanted.
     pub fn retain(&mut self, mut wanted: impl FnMut(&Name) -> bool) {
         let components = &self.unit.spec.components;
-        self.components.retain(|component| wanted(&components[*component as usize].name));
+        self.components.retain(|component| wanted(&components[*component].name));
     }
 
     /// The functions that the components require.
@@ -92,7 +92,7 @@ impl Folder {
     /// those that are switched off or allowed.
     pub fn adjust(&self, findings: Vec<Drift>, analysis: &Analysis) -> Cancellable<Vec<Drift>> {
         let mut out = Vec::with_capacity(findings.len());
-        let mut missing: BTreeMap<u32, usize> = BTreeMap::new();
+        let mut missing: BTreeMap<ComponentId, usize> = BTreeMap::new();
         for mut drift in findings {
             if drift.code() == drift::MISSING_DEFINITION {
                 *missing.entry(drift.component).or_default() += 1;
@@ -109,7 +109,7 @@ impl Folder {
             }
         }
         for (index, count) in missing {
-            let component = &self.unit.spec.components[index as usize];
+            let component = &self.unit.spec.components[index];
             let codels = component.all_codels().map(|at| &component.codel(at).name);
             let functions = codels.collect::<FxHashSet<_>>().len();
             let defined = functions.saturating_sub(count);
@@ -135,15 +135,15 @@ impl Folder {
 /// unit with errors, the declarations without errors are compared: see [`Reliability`].
 pub fn folders(unit: &UnitResult, sources: &mut dyn FnMut(&Utf8Path) -> Sources) -> Vec<Folder> {
     let trust = Arc::new(Reliability::of(unit));
-    let mut by_file: BTreeMap<Utf8PathBuf, Vec<u32>> = BTreeMap::new();
-    for (index, component) in (0u32..).zip(&unit.spec.components) {
+    let mut by_file: BTreeMap<Utf8PathBuf, Vec<ComponentId>> = BTreeMap::new();
+    for (index, component) in unit.spec.components.iter_enumerated() {
         let location = unit.locations.locate(component.src);
         let is_component = component.kind == ComponentKind::Component;
         if let Some(location) = location.filter(|_| is_component) {
             by_file.entry(location.path).or_default().push(index);
         }
     }
-    let folder = |(specification, components): (Utf8PathBuf, Vec<u32>)| Folder {
+    let folder = |(specification, components): (Utf8PathBuf, Vec<ComponentId>)| Folder {
         sources: sources(&specification),
         specification,
         unit: unit.clone(),

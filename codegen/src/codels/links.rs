@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use camino::Utf8Path;
-use dotgen_analysis::model::CodelRef;
+use dotgen_analysis::model::{CodelRef, ComponentId};
 
 use super::{
     drift::SourcePlace,
@@ -64,7 +64,7 @@ pub struct CodelFunction {
     pub range: Range<usize>,
     /// The codels it implements: component (index into the components of the specification) and
     /// codel.
-    pub codels: Vec<(u32, CodelRef)>,
+    pub codels: Vec<(ComponentId, CodelRef)>,
 }
 
 /// Functions of a file that implement codels, in text order, for code lenses.

@@ -7,7 +7,7 @@
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::host::UnitResult;
-use dotgen_analysis::model::{CodelRef, Name};
+use dotgen_analysis::model::{CodelRef, ComponentId, Name};
 use dotgen_analysis::source_map::{Location, Locations};
 use dotgen_syntax::codes as syntax;
 use rustc_hash::FxHashSet;
@@ -24,7 +24,7 @@ pub struct Reliability {
     /// the specification yet.
     pub lacks_text: bool,
     /// Codels with errors in their declaration, by component.
-    faulty: FxHashSet<(u32, CodelRef)>,
+    faulty: FxHashSet<(ComponentId, CodelRef)>,
     /// Words in the text that could not be parsed, which may be names.
     words: Arc<FxHashSet<Name>>,
 }
@@ -63,8 +63,10 @@ impl Reliability {
         let is_cut =
             unit.is_cut || (unit.diagnostics.iter()).any(|error| syntax::is_cut(error.code));
         trust.lacks_text = is_cut || unit.has_syntax_errors();
-        let codels: Vec<(u32, CodelRef, Location)> = (0u32..)
-            .zip(&unit.spec.components)
+        let codels: Vec<(ComponentId, CodelRef, Location)> = unit
+            .spec
+            .components
+            .iter_enumerated()
             .flat_map(|(index, component)| {
                 component.all_codels().map(move |at| (index, at, component.codel(at).node))
             })
@@ -91,7 +93,7 @@ impl Reliability {
     /// Excludes the codels whose declaration was changed since, because their new declaration is not known
     /// yet. `changed` returns true for a changed place of the unit.
     pub fn leave_out(&mut self, unit: &UnitResult, changed: &dyn Fn(&Location) -> bool) {
-        for (index, component) in (0u32..).zip(&unit.spec.components) {
+        for (index, component) in unit.spec.components.iter_enumerated() {
             for at in component.all_codels() {
                 let place = unit.locations.locate(component.codel(at).node);
                 if place.is_some_and(|place| changed(&place)) {

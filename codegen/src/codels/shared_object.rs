@@ -1,7 +1,7 @@
 //! Shared objects that a host can run: the codels of a component with their [`glue`].
 
 use camino::Utf8Path;
-use dotgen_analysis::model::Name;
+use dotgen_analysis::model::{ComponentId, Name};
 use rustc_hash::FxHashSet;
 
 use super::build::{Build, Packages, Plan, Step, Tools};
@@ -15,7 +15,7 @@ use crate::lang::Language;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SharedObject {
     /// The component, among those of the specification.
-    pub component: u32,
+    pub component: ComponentId,
     /// The glue, by absolute path.
     pub glue: NewFile,
     /// The step that compiles the glue.

@@ -1,6 +1,6 @@
 //! C: the text of type definitions and codel prototypes.
 
-use dotgen_analysis::model::{ParamDir, TypeId, TypeKind, Value};
+use dotgen_analysis::model::{ComponentId, ParamDir, TypeId, TypeKind, Value};
 use dotgen_analysis::release::Change;
 
 use super::c::declarator;
@@ -14,7 +14,7 @@ pub(super) fn mapping(m: &Mapper<'_>, objects: &[MapObject], locations: bool) ->
         match *object {
             MapObject::Type(ty) => body += &writer.definition(ty)?,
             MapObject::Codel(component, at) => {
-                let codel = m.spec.components[component as usize].codel(at);
+                let codel = m.spec.components[component].codel(at);
                 body += "\n#ifdef __cplusplus\nextern \"C\" {\n#endif\n";
                 body += &m.signature(component, codel, " ", locations)?;
                 body += ";\n#ifdef __cplusplus\n}\n#endif";
@@ -263,9 +263,9 @@ impl Writer<'_, '_> {
         Ok(guard(&head, &n) + &needed + &guard(&body, &format!("{n}_definition")))
     }
 
-    fn port(&self, ty: TypeId, component: u32, port: u32) -> LangResult {
+    fn port(&self, ty: TypeId, component: ComponentId, port: u32) -> LangResult {
         let n = declarator(self.m, ty, "")?;
-        let port = &self.m.spec.components[component as usize].ports[port as usize];
+        let port = &self.m.spec.components[component].ports[port as usize];
         let needed = match self.m.kind(port.data) {
             TypeKind::Sequence { .. } => self.anonymous(port.data)?,
             _ => String::new(),
@@ -284,9 +284,9 @@ impl Writer<'_, '_> {
         Ok(needed + &guard(&body, &n))
     }
 
-    fn remote(&self, ty: TypeId, component: u32, remote: u32) -> LangResult {
+    fn remote(&self, ty: TypeId, component: ComponentId, remote: u32) -> LangResult {
         let n = declarator(self.m, ty, "")?;
-        let remote = &self.m.spec.components[component as usize].remotes[remote as usize];
+        let remote = &self.m.spec.components[component].remotes[remote as usize];
         let arguments = self.m.remote_arguments(remote)?;
         let mut needed = String::new();
         for param in remote.params.iter().filter(|param| param.dir != ParamDir::Local) {

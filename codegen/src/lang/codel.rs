@@ -1,6 +1,6 @@
 //! Codels as functions: prototypes and calls.
 
-use dotgen_analysis::model::{Codel, ParamDir, ParamSource};
+use dotgen_analysis::model::{Codel, ComponentId, ParamDir, ParamSource};
 
 use super::{Anchor, LangError, LangResult, Language, Mapper, PassingMode, param_types, text};
 
@@ -15,7 +15,7 @@ impl Mapper<'_> {
     /// Fails for parameters whose type the language cannot declare, and in Tcl.
     pub fn signature(
         &self,
-        component: u32,
+        component: ComponentId,
         codel: &Codel,
         separator: &str,
         location: bool,
@@ -40,7 +40,7 @@ impl Mapper<'_> {
     ///
     /// # Errors
     /// Fails like [`Mapper::signature`].
-    pub fn prototype(&self, component: u32, codel: &Codel, separator: &str) -> LangResult {
+    pub fn prototype(&self, component: ComponentId, codel: &Codel, separator: &str) -> LangResult {
         let arguments = self.codel_arguments(component, codel)?;
         let symbol = self.cname(&codel.name)?;
         let start = symbol.chars().count() + 1;
@@ -78,7 +78,11 @@ impl Mapper<'_> {
         }
     }
 
-    fn codel_arguments(&self, component: u32, codel: &Codel) -> Result<Vec<String>, LangError> {
+    fn codel_arguments(
+        &self,
+        component: ComponentId,
+        codel: &Codel,
+    ) -> Result<Vec<String>, LangError> {
         let mut arguments = Vec::with_capacity(codel.params.len() + 1);
         for param in &codel.params {
             let remote = matches!(param.source, ParamSource::Port(_) | ParamSource::Remote(_));
@@ -106,7 +110,12 @@ impl Mapper<'_> {
     ///
     /// # Errors
     /// Fails for a wrong number of arguments, and in Tcl.
-    pub(crate) fn invoke(&self, component: u32, codel: &Codel, arguments: &[String]) -> LangResult {
+    pub(crate) fn invoke(
+        &self,
+        component: ComponentId,
+        codel: &Codel,
+        arguments: &[String],
+    ) -> LangResult {
         let expected = match self.language {
             Language::C => codel.params.len() + 1,
             Language::Cxx => codel.params.len(),

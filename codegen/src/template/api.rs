@@ -4,7 +4,7 @@
 //! Tcl side caches pure answers.
 
 use dotgen_analysis::model::{
-    CodelKind, CodelRef, ComponentKind, Owner, Param, ServiceList, Spec, Src, TypeId,
+    CodelKind, CodelRef, ComponentId, ComponentKind, Owner, Param, ServiceList, Spec, Src, TypeId,
 };
 
 use dotgen_analysis::release::Change;
@@ -119,7 +119,7 @@ impl Model<'_> {
     fn place(
         &self,
         place: Option<Place>,
-        context: Option<u32>,
+        context: Option<ComponentId>,
         arguments: &[String],
     ) -> Result<Option<Answer>, Failure> {
         let Some(place) = place else {
@@ -167,7 +167,7 @@ impl Model<'_> {
     /// Parameters that pass a filter on their properties.
     fn params<'p>(
         &self,
-        component: u32,
+        component: ComponentId,
         params: &'p [Param],
         reference: impl Fn(u32) -> ParamRef,
         filters: &[String],
@@ -192,7 +192,12 @@ impl Model<'_> {
     }
 
     /// The states that reach a codel of an owner, or the codel of one state.
-    fn state_machine(&self, component: u32, owner: Owner, state: Option<&String>) -> Answer {
+    fn state_machine(
+        &self,
+        component: ComponentId,
+        owner: Owner,
+        state: Option<&String>,
+    ) -> Answer {
         let declaration = self.spec.component(component);
         let mut states: Vec<(&str, TypeId, CodelRef)> = Vec::new();
         for (index, codel) in declaration.codels_of(owner).iter().enumerate() {
@@ -216,7 +221,7 @@ impl Model<'_> {
         }
     }
 
-    fn services(&self, component: u32, list: &ServiceList) -> Answer {
+    fn services(&self, component: ComponentId, list: &ServiceList) -> Answer {
         let all: Vec<u32> = (0..self.spec.component(component).services.len() as u32).collect();
         let services = if list.all { &all } else { &list.services };
         self.list(services.iter().map(|service| Object::Service(component, *service)))

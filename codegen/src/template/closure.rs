@@ -2,7 +2,7 @@
 //!
 //! Both walk the model; a filter given by the template may leave objects out.
 
-use dotgen_analysis::model::{ComponentKind, ParamDir, Spec, TypeId, TypeKind};
+use dotgen_analysis::model::{ComponentId, ComponentKind, ParamDir, Spec, TypeId, TypeKind};
 use dotgen_analysis::release::Change;
 use md5::{Digest, Md5};
 use rustc_hash::FxHashMap;
@@ -57,7 +57,7 @@ pub(crate) fn types_of_type(
 
 pub(crate) fn types_of_component(
     model: &Model<'_>,
-    index: u32,
+    index: ComponentId,
     visibility: Visibility,
     filter: &mut Filter<'_>,
 ) -> Result<Vec<TypeId>, Failure> {
@@ -205,7 +205,7 @@ impl Chunks {
     fn component(
         &mut self,
         spec: &Spec,
-        index: u32,
+        index: ComponentId,
         filter: &mut Filter<'_>,
     ) -> Result<(), Failure> {
         let component = spec.component(index);
@@ -232,7 +232,7 @@ impl Chunks {
     fn service(
         &mut self,
         spec: &Spec,
-        component: u32,
+        component: ComponentId,
         service: u32,
         filter: &mut Filter<'_>,
     ) -> Result<(), Failure> {
@@ -264,7 +264,7 @@ impl Chunks {
     fn params(
         &mut self,
         spec: &Spec,
-        component: u32,
+        component: ComponentId,
         params: impl Iterator<Item = ParamRef>,
         filter: &mut Filter<'_>,
     ) -> Result<(), Failure> {

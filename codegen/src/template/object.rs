@@ -5,8 +5,8 @@
 //! more input is parsed, although its index in the model may change.
 
 use dotgen_analysis::model::{
-    Codel, CodelRef, Component, InitValue, Initializer, Owner, Param, Port, Remote, Service, Spec,
-    Src, Task, TypeId,
+    Codel, CodelRef, Component, ComponentId, InitValue, Initializer, Owner, Param, Port, Remote,
+    Service, Spec, Src, Task, TypeId,
 };
 use rustc_hash::FxHashMap;
 
@@ -16,21 +16,21 @@ pub(crate) enum Object {
     /// A type object.
     Type(TypeId),
     /// Component or interface.
-    Component(u32),
+    Component(ComponentId),
     /// Component and task.
-    Task(u32, u32),
+    Task(ComponentId, u32),
     /// Component and port.
-    Port(u32, u32),
+    Port(ComponentId, u32),
     /// Component and service.
-    Service(u32, u32),
+    Service(ComponentId, u32),
     /// Component and remote.
-    Remote(u32, u32),
+    Remote(ComponentId, u32),
     /// Component and codel.
-    Codel(u32, CodelRef),
+    Codel(ComponentId, CodelRef),
     /// Component and parameter.
-    Param(u32, ParamRef),
+    Param(ComponentId, ParamRef),
     /// A part of the default value of a parameter: the path of indexes from its root.
-    Initializer(u32, ParamRef, Vec<u32>),
+    Initializer(ComponentId, ParamRef, Vec<u32>),
 }
 
 /// Names a parameter of a component: the owner and the index.
@@ -43,29 +43,29 @@ pub(crate) enum ParamRef {
 
 /// Looks up objects in a specification. The indexes come from the same specification.
 pub(crate) trait Lookup {
-    fn component(&self, component: u32) -> &Component;
+    fn component(&self, component: ComponentId) -> &Component;
 
-    fn task(&self, component: u32, task: u32) -> &Task {
+    fn task(&self, component: ComponentId, task: u32) -> &Task {
         &self.component(component).tasks[task as usize]
     }
 
-    fn port(&self, component: u32, port: u32) -> &Port {
+    fn port(&self, component: ComponentId, port: u32) -> &Port {
         &self.component(component).ports[port as usize]
     }
 
-    fn service(&self, component: u32, service: u32) -> &Service {
+    fn service(&self, component: ComponentId, service: u32) -> &Service {
         &self.component(component).services[service as usize]
     }
 
-    fn remote(&self, component: u32, remote: u32) -> &Remote {
+    fn remote(&self, component: ComponentId, remote: u32) -> &Remote {
         &self.component(component).remotes[remote as usize]
     }
 
-    fn codel(&self, component: u32, codel: CodelRef) -> &Codel {
+    fn codel(&self, component: ComponentId, codel: CodelRef) -> &Codel {
         self.component(component).codel(codel)
     }
 
-    fn param(&self, component: u32, param: ParamRef) -> &Param {
+    fn param(&self, component: ComponentId, param: ParamRef) -> &Param {
         match param {
             ParamRef::Service(service, index) => {
                 &self.service(component, service).params[index as usize]
@@ -77,7 +77,12 @@ pub(crate) trait Lookup {
         }
     }
 
-    fn initializer(&self, component: u32, param: ParamRef, path: &[u32]) -> Option<&Initializer> {
+    fn initializer(
+        &self,
+        component: ComponentId,
+        param: ParamRef,
+        path: &[u32],
+    ) -> Option<&Initializer> {
         let mut at = self.param(component, param).init.as_ref()?;
         for index in path {
             match &at.value {
@@ -90,8 +95,8 @@ pub(crate) trait Lookup {
 }
 
 impl Lookup for Spec {
-    fn component(&self, component: u32) -> &Component {
-        &self.components[component as usize]
+    fn component(&self, component: ComponentId) -> &Component {
+        &self.components[component]
     }
 }
 
@@ -155,7 +160,7 @@ impl Registry {
             *count += 1;
             self.add("type", Object::Type(id), identity);
         }
-        for index in 0..spec.components.len() as u32 {
+        for index in spec.components.keys() {
             self.add_component(spec, index);
         }
         let mut created: Vec<String> =
@@ -176,7 +181,7 @@ impl Registry {
         number
     }
 
-    fn add_component(&mut self, spec: &Spec, index: u32) {
+    fn add_component(&mut self, spec: &Spec, index: ComponentId) {
         let component = spec.component(index);
         let name = component.name.to_string();
         let member = |kind, member: &str| Identity::Member(name.clone(), kind, member.to_owned());
@@ -227,7 +232,14 @@ impl Registry {
         }
     }
 
-    fn add_param(&mut self, spec: &Spec, component: u32, param: ParamRef, owner: u64, index: u32) {
+    fn add_param(
+        &mut self,
+        spec: &Spec,
+        component: ComponentId,
+        param: ParamRef,
+        owner: u64,
+        index: u32,
+    ) {
         let object = Object::Param(component, param);
         let number = self.add("param", object, Identity::Inside(owner, vec![index]));
         if let Some(init) = &spec.param(component, param).init {
@@ -237,7 +249,7 @@ impl Registry {
 
     fn add_initializer(
         &mut self,
-        component: u32,
+        component: ComponentId,
         param: ParamRef,
         init: &Initializer,
         owner: u64,

@@ -97,7 +97,7 @@ fn findings(unit: &UnitResult, files: &Memory) -> Vec<(Key, Drift)> {
         for check in folder.check(&folder.expected()) {
             let place =
                 check.source.as_ref().map(|source| (source.path.clone(), source.range.start));
-            let component = &unit.spec.components[check.component as usize];
+            let component = &unit.spec.components[check.component];
             out.push(((check.code(), place, component.name.clone()), check));
         }
     }

@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{BatchInput, Change, Input};
-use dotgen_analysis::model::{ComponentKind, Spec};
+use dotgen_analysis::model::{ComponentId, ComponentKind, Spec};
 use dotgen_analysis::release::Release;
 use dotgen_codegen::codels::expected::Expected;
 use dotgen_codegen::codels::headers::headers;
@@ -18,8 +18,8 @@ use crate::codels::support::{
     compile, compiler, host, host_of, shared, temporary, workspace, write,
 };
 
-pub(crate) fn components(spec: &Spec) -> Vec<u32> {
-    let all = (0u32..).zip(&spec.components);
+pub(crate) fn components(spec: &Spec) -> Vec<ComponentId> {
+    let all = spec.components.iter_enumerated();
     all.filter(|(_, component)| component.kind == ComponentKind::Component)
         .map(|(index, _)| index)
         .collect()
@@ -162,7 +162,7 @@ fn compiles(name: &str, spec: &Spec, failures: &mut Vec<String>) -> usize {
     let mut count = 0;
     for component in components(spec) {
         let mut cxx = spec.clone();
-        cxx.components[component as usize].lang = Some("c++".into());
+        cxx.components[component].lang = Some("c++".into());
         // C codels as C and as C++, and C++ codels.
         let runs = [(spec, false, "cc"), (spec, true, "c++"), (&cxx, true, "c++")];
         for (spec, compile_as_cxx, command) in runs {
@@ -180,9 +180,7 @@ fn compiles(name: &str, spec: &Spec, failures: &mut Vec<String>) -> usize {
                 // C++ has no union of types with constructors: said, not written wrongly.
                 (Err(error), _) | (_, Err(error)) => {
                     let known = error.message.contains("not allowed in C++");
-                    assert!(
-                        known && spec.components[component as usize].lang.as_deref() == Some("c++")
-                    );
+                    assert!(known && spec.components[component].lang.as_deref() == Some("c++"));
                     continue;
                 }
             };

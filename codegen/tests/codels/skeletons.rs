@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::host::{BatchInput, Input};
-use dotgen_analysis::model::{ComponentKind, Spec};
+use dotgen_analysis::model::{ComponentId, ComponentKind, Spec};
 use dotgen_analysis::release::{CHANGES, Release};
 use dotgen_codegen::codels::drift::{self, DriftOptions};
 use dotgen_codegen::codels::expected::Expected;
@@ -66,7 +66,11 @@ fn releases() -> Vec<Release> {
 }
 
 /// What is found in unchanged stubs of a component, and how many functions they have.
-fn findings(spec: &Spec, component: u32, compile_as_cxx: bool) -> Option<(Vec<String>, usize)> {
+fn findings(
+    spec: &Spec,
+    component: ComponentId,
+    compile_as_cxx: bool,
+) -> Option<(Vec<String>, usize)> {
     let expected = Expected::new(spec, component);
     let options = StubOptions { compile_as_cxx, ..StubOptions::default() };
     let stubs = Stubs::new(&expected, &options).all_files().ok()?;
@@ -92,8 +96,8 @@ fn read(release: Release, file: Utf8PathBuf, include_dirs: Vec<Utf8PathBuf>) -> 
     unit.accepted().then_some(unit.spec)
 }
 
-fn components(spec: &Spec) -> impl Iterator<Item = u32> {
-    let all = (0..).zip(&spec.components);
+fn components(spec: &Spec) -> impl Iterator<Item = ComponentId> {
+    let all = spec.components.iter_enumerated();
     all.filter(|(_, component)| component.kind == ComponentKind::Component)
         .map(|(number, _)| number)
 }

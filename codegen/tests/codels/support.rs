@@ -123,7 +123,7 @@ impl Fixture {
     }
 
     pub(crate) fn expected(&self) -> Expected<'_> {
-        Expected::new(&self.unit.spec, 0)
+        Expected::new(&self.unit.spec, 0.into())
     }
 
     pub(crate) fn check(&self) -> Vec<Drift> {

@@ -238,13 +238,11 @@ impl<'s> HostedComponents<'s> {
 /// or provides it. `None` also if the types of the parameters differ.
 fn provider(names: &Names<'_>, asking: usize, remote: &Remote) -> Option<(usize, u32)> {
     let own = &names.components[asking];
-    let interface = &own.spec.components.get(remote.interface as usize)?.name;
+    let interface = &own.spec.components.get(remote.interface)?.name;
     let all = names.components.iter().enumerate();
     let mut found = all.filter(|(name, member)| {
         let mut provided = member.component.provides.iter();
-        let named =
-            |&of: &u32| member.spec.components.get(of as usize).map(|component| &component.name);
-        let provides = provided.any(|of| named(of) == Some(interface));
+        let provides = provided.any(|of| member.spec.components[*of].name == *interface);
         *name != asking && (member.component.name == *interface || provides)
     });
     let (name, member) = found.next()?;

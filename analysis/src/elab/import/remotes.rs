@@ -4,15 +4,20 @@ use crate::finding::role::Role;
 use crate::{
     elab::{DefId, context::Elaborator, property::union},
     finding::{Finding, names::NameProblem},
-    model::{ParamDir, Remote, Src, TypeId, TypeKind},
+    model::{ComponentId, ParamDir, Remote, Src, TypeId, TypeKind},
     release::Change,
 };
 
 impl Elaborator<'_> {
-    pub(super) fn import_as_remotes(&mut self, index: u32, interface: u32, at: Src) {
+    pub(super) fn import_as_remotes(
+        &mut self,
+        index: ComponentId,
+        interface: ComponentId,
+        at: Src,
+    ) {
         let with_locals = self.spec.release.has(Change::RemoteCallsWithoutLocals);
-        for number in 0..self.components[interface as usize].services.len() {
-            let from = &self.spec.components[interface as usize];
+        for number in 0..self.components[interface].services.len() {
+            let from = &self.spec.components[interface];
             let service = &from.services[number];
             let mut throws = from.throws.clone();
             if let Some(task) = service.task {
@@ -34,23 +39,23 @@ impl Elaborator<'_> {
                 service: number as u32,
                 throws,
             };
-            let def = self.components[interface as usize].services[number].def;
+            let def = self.components[interface].services[number].def;
             self.add_remote(index, remote, def, at);
         }
     }
 
-    pub(super) fn import_remotes(&mut self, index: u32, interface: u32, at: Src) {
-        for number in 0..self.components[interface as usize].remotes.len() {
-            let remote = self.spec.components[interface as usize].remotes[number].clone();
-            let def = self.components[interface as usize].remotes[number];
+    pub(super) fn import_remotes(&mut self, index: ComponentId, interface: ComponentId, at: Src) {
+        for number in 0..self.components[interface].remotes.len() {
+            let remote = self.spec.components[interface].remotes[number].clone();
+            let def = self.components[interface].remotes[number];
             self.add_remote(index, remote, def, at);
         }
     }
 
-    fn add_remote(&mut self, index: u32, mut remote: Remote, def: DefId, at: Src) {
-        let state = &self.components[index as usize];
+    fn add_remote(&mut self, index: ComponentId, mut remote: Remote, def: DefId, at: Src) {
+        let state = &self.components[index];
         if let Some(&service) = state.service_by_name.get(&remote.name) {
-            let place = self.spec.components[index as usize].services[service as usize].src;
+            let place = self.spec.components[index].services[service as usize].src;
             self.report(
                 Finding::new(NameProblem::RemoteTaken { name: remote.name.clone() }, at)
                     .related(place, Role::Service)
@@ -65,15 +70,15 @@ impl Elaborator<'_> {
             self.add_refused_name(index, &remote.name);
             return;
         }
-        let number = self.spec.components[index as usize].remotes.len() as u32;
+        let number = self.spec.components[index].remotes.len() as u32;
         let kind = TypeKind::Remote { component: index, remote: number };
         let ty = self.named(kind, scope, remote.name.clone(), remote.src);
         self.type_defs[ty.0 as usize] = Some(def);
         self.declare_at(scope, &remote.name, at, ty);
         remote.ty = ty;
-        let state = &mut self.components[index as usize];
+        let state = &mut self.components[index];
         state.remote_by_name.insert(remote.name.clone(), number);
         state.remotes.push(def);
-        self.spec.components[index as usize].remotes.push(remote);
+        self.spec.components[index].remotes.push(remote);
     }
 }

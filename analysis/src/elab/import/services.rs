@@ -9,7 +9,7 @@ use crate::{
         types::equal,
     },
     finding::{Finding, services::DeclarationProblem},
-    model::{Param, ParamDir, Service, ServiceKind, Src},
+    model::{ComponentId, Param, ParamDir, Service, ServiceKind, Src},
     release::Change,
 };
 
@@ -18,18 +18,18 @@ impl Elaborator<'_> {
     /// interface and in the component, for adding the codels.
     pub(super) fn import_services(
         &mut self,
-        index: u32,
-        interface: u32,
+        index: ComponentId,
+        interface: ComponentId,
         at: Src,
     ) -> Vec<(u32, u32)> {
         let mut pairs = Vec::new();
-        for number in 0..self.components[interface as usize].services.len() {
-            let service = self.spec.components[interface as usize].services[number].clone();
+        for number in 0..self.components[interface].services.len() {
+            let service = self.spec.components[interface].services[number].clone();
             if self.taken_by_other(index, &service.name, at) {
                 continue;
             }
             let params = self.imported_params(index, interface, number, &service);
-            let known = self.components[index as usize].service_by_name.get(&service.name).copied();
+            let known = self.components[index].service_by_name.get(&service.name).copied();
             let own = if let Some(own) = known {
                 if !self.check_kind(index, own, service.kind, at) {
                     continue;
@@ -41,11 +41,11 @@ impl Elaborator<'_> {
                     .collect();
                 self.compare_params(index, own, &plain, at, Some(at));
                 self.merge_locals(index, own, &params, at);
-                let known = &mut self.spec.components[index as usize].services[own as usize];
+                let known = &mut self.spec.components[index].services[own as usize];
                 known.src = service.src;
                 own
             } else {
-                let def = self.components[interface as usize].services[number].def;
+                let def = self.components[interface].services[number].def;
                 let own = self.insert_service(
                     index,
                     &service.name,
@@ -57,12 +57,12 @@ impl Elaborator<'_> {
                 for (param, def) in params {
                     self.push_param(index, own, param, def);
                 }
-                let paths = self.components[interface as usize].services[number].paths.clone();
-                self.components[index as usize].services[own as usize].paths = paths;
+                let paths = self.components[interface].services[number].paths.clone();
+                self.components[index].services[own as usize].paths = paths;
                 own
             };
             self.import_service_properties(index, interface, number, own, &service, at);
-            let codels = &self.components[interface as usize].services[number].codels;
+            let codels = &self.components[interface].services[number].codels;
             self.import_states(index, codels.clone());
             pairs.push((number as u32, own));
         }
@@ -72,12 +72,12 @@ impl Elaborator<'_> {
     /// The parameters of a service of an interface, as the importing component sees them.
     fn imported_params(
         &mut self,
-        index: u32,
-        interface: u32,
+        index: ComponentId,
+        interface: ComponentId,
         number: usize,
         service: &Service,
     ) -> Vec<(Param, DefId)> {
-        let state = &self.components[interface as usize].services[number];
+        let state = &self.components[interface].services[number];
         let defs = state.params.clone();
         let mut params: Vec<Param> = service.params.clone();
         if service.kind == ServiceKind::Attribute {
@@ -101,9 +101,15 @@ impl Elaborator<'_> {
         params.into_iter().zip(defs).collect()
     }
 
-    fn merge_locals(&mut self, index: u32, service: u32, params: &[(Param, DefId)], at: Src) {
+    fn merge_locals(
+        &mut self,
+        index: ComponentId,
+        service: u32,
+        params: &[(Param, DefId)],
+        at: Src,
+    ) {
         for (local, def) in params.iter().filter(|(param, _)| param.dir == ParamDir::Local) {
-            let known = &self.spec.components[index as usize].services[service as usize];
+            let known = &self.spec.components[index].services[service as usize];
             let old = known.params.iter().find(|param| param.name == local.name);
             let Some(old) = old else {
                 self.push_param(index, service, local.clone(), *def);
@@ -129,20 +135,20 @@ impl Elaborator<'_> {
 
     fn import_service_properties(
         &mut self,
-        index: u32,
-        interface: u32,
+        index: ComponentId,
+        interface: ComponentId,
         number: usize,
         own: u32,
         service: &Service,
         at: Src,
     ) {
-        let theirs = self.components[interface as usize].services[number].clone();
+        let theirs = self.components[interface].services[number].clone();
         let task = service.task.and_then(|task| {
-            let name = &self.spec.components[interface as usize].tasks[task as usize].name;
-            self.components[index as usize].task_by_name.get(name).copied()
+            let name = &self.spec.components[interface].tasks[task as usize].name;
+            self.components[index].task_by_name.get(name).copied()
         });
-        let to = &mut self.spec.components[index as usize].services[own as usize];
-        let state = &mut self.components[index as usize].services[own as usize];
+        let to = &mut self.spec.components[index].services[own as usize];
+        let state = &mut self.components[index].services[own as usize];
         if let Some(doc) = &service.doc {
             join_doc(&mut to.doc, doc);
         }

@@ -30,7 +30,7 @@ pub(super) fn implement_interface(cx: &Cx<'_, '_>) -> Option<Assist> {
         _ => None,
     })?;
     let spec = &elaborated.spec;
-    let index = spec.components.iter().position(|component| component.name == *interface)? as u32;
+    let index = spec.components.position(|component| component.name == *interface)?;
     let name = component.name()?.text(cx.view.map());
     let model = spec.components.iter().find(|component| component.name == name)?;
     let mut text = String::new();

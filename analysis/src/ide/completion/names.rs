@@ -18,7 +18,7 @@ use crate::{
         context::{BodyKind, Context, Frame, FrameKind, Word},
         render,
     },
-    model::{Codel, Component, Name, Spec, TypeId, TypeKind},
+    model::{Codel, Component, ComponentId, Name, Spec, TypeId, TypeKind},
 };
 
 /// The names visible at the cursor.
@@ -28,7 +28,7 @@ pub(in crate::ide) struct Names<'a, 'db> {
     /// The scope at the cursor, outermost first.
     scope: Vec<SmolStr>,
     /// The component around the cursor: index into the spec.
-    component: Option<u32>,
+    component: Option<ComponentId>,
     at: usize,
     /// The start of the statement around the cursor, including enclosing type declarations: declarations from
     /// here on are not visible at the cursor.
@@ -95,7 +95,7 @@ impl<'a, 'db> Names<'a, 'db> {
         scope.splice(0..0, outer);
         let by_name = |name: SmolStr| {
             let all = &elaborated.spec.components;
-            all.iter().position(|component| component.name == name)
+            all.position(|component| component.name == name)
         };
         let mut paths = FxHashMap::default();
         for definition in &elaborated.definitions {
@@ -107,7 +107,7 @@ impl<'a, 'db> Names<'a, 'db> {
             view,
             elaborated,
             scope,
-            component: component.and_then(by_name).map(|index| index as u32),
+            component: component.and_then(by_name),
             at,
             begins: begins(context, at),
             in_ids,
@@ -126,11 +126,11 @@ impl<'a, 'db> Names<'a, 'db> {
 
     /// The component around the cursor.
     pub(in crate::ide) fn component(&self) -> Option<&'a Component> {
-        self.spec().components.get(self.component? as usize)
+        self.spec().components.get(self.component?)
     }
 
     /// The index of the component around the cursor in [`Spec::components`](crate::model::Spec).
-    pub(super) fn component_number(&self) -> Option<u32> {
+    pub(super) fn component_number(&self) -> Option<ComponentId> {
         self.component
     }
 
@@ -149,7 +149,7 @@ impl<'a, 'db> Names<'a, 'db> {
     }
 
     /// The definition of a part of the component around the cursor.
-    pub(super) fn part(&self, part: impl Fn(u32) -> Entity) -> Option<u32> {
+    pub(super) fn part(&self, part: impl Fn(ComponentId) -> Entity) -> Option<u32> {
         let wanted = part(self.component?);
         let all = &self.elaborated.definitions;
         let found = all.iter().find(|definition| definition.entity == Some(wanted))?;
@@ -176,15 +176,15 @@ impl<'a, 'db> Names<'a, 'db> {
     /// Returns true if a part imported from an interface is visible at the cursor: a `provides`, `uses` or
     /// `extends` above it names the interface, or one that includes it. Own parts are visible, and so are
     /// imports by a pragma or from another file.
-    pub(super) fn is_imported_above(&self, from: Option<u32>) -> bool {
+    pub(super) fn is_imported_above(&self, from: Option<ComponentId>) -> bool {
         let Some(from) = from else { return true };
         let components = &self.spec().components;
-        let leads_to_it = |interface: u32| {
+        let leads_to_it = |interface: ComponentId| {
             let mut seen = vec![interface];
             let mut next = 0;
             while let Some(&number) = seen.get(next) {
                 next += 1;
-                let Some(component) = components.get(number as usize) else {
+                let Some(component) = components.get(number) else {
                     continue;
                 };
                 for provided in

@@ -22,7 +22,7 @@ pub(super) fn completion(view: &FileView<'_>, mention: TextRange, id: DefId) -> 
     let here = mentions
         .clone()
         .find(|reference| view.place(reference.at) == Some((view.file, mention)))?;
-    let component = elaborated.spec.components.get(here.component? as usize)?;
+    let component = elaborated.spec.components.get(here.component?)?;
     let own =
         mentions.find(|mention| mention.is_declaration() && mention.component == here.component)?;
 

@@ -113,7 +113,7 @@ impl CheckReport {
             let spec = drift.spec.iter().filter_map(|&spec| folder.unit.locations.locate(spec));
             let spec = spec.map(|spec| place(&spec.path, spec.range));
             let mut places = source.chain(spec);
-            let component = &folder.unit.spec.components[drift.component as usize];
+            let component = &folder.unit.spec.components[drift.component];
             self.findings.push(Finding {
                 code: drift.code(),
                 severity: drift.severity,

@@ -1,6 +1,6 @@
 //! Methods of codels.
 
-use dotgen_analysis::model::{CodelRef, Owner};
+use dotgen_analysis::model::{CodelRef, ComponentId, Owner};
 
 use super::{Answer, AnswerResult, Model, method, wrong_args};
 use crate::lang::Anchor;
@@ -42,7 +42,7 @@ const FILTERS: &[&str] = &["in", "out", "inout", "ids", "local", "port", "remote
 
 pub(super) fn call(
     model: &Model<'_>,
-    component: u32,
+    component: ComponentId,
     at: CodelRef,
     words: &[String],
 ) -> AnswerResult {

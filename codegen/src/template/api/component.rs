@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use dotgen_analysis::model::PortDir;
+use dotgen_analysis::model::{ComponentId, PortDir};
 use dotgen_analysis::release::Change;
 
 use super::{
@@ -50,7 +50,7 @@ pub(super) const CHEAP: &[&str] = &[
 
 pub(super) fn call(
     model: &Model<'_>,
-    index: u32,
+    index: ComponentId,
     words: &[String],
     lambda: &mut Lambda<'_>,
 ) -> AnswerResult {
@@ -107,7 +107,7 @@ pub(super) fn call(
 }
 
 /// Ports that pass every filter.
-fn ports(model: &Model<'_>, index: u32, filters: &[String]) -> AnswerResult {
+fn ports(model: &Model<'_>, index: ComponentId, filters: &[String]) -> AnswerResult {
     const WORDS: &[&str] = &["in", "out", "simple", "multiple"];
     let mut kept = Vec::new();
     for (at, port) in model.spec.component(index).ports.iter().enumerate() {
@@ -127,7 +127,7 @@ fn ports(model: &Model<'_>, index: u32, filters: &[String]) -> AnswerResult {
 }
 
 /// Codels that pass any filter.
-fn codels(model: &Model<'_>, index: u32, filters: &[String]) -> AnswerResult {
+fn codels(model: &Model<'_>, index: ComponentId, filters: &[String]) -> AnswerResult {
     let kinds: Vec<&str> = filters
         .iter()
         .map(|filter| Ok(CODEL_KINDS[find(CODEL_KINDS, filter, "kind")?]))

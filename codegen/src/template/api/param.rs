@@ -1,6 +1,8 @@
 //! Methods of parameters and of their default values.
 
-use dotgen_analysis::model::{InitValue, Initializer, ParamSource, PathElement, TypeId, TypeKind};
+use dotgen_analysis::model::{
+    ComponentId, InitValue, Initializer, ParamSource, PathElement, TypeId, TypeKind,
+};
 
 use super::{Answer, AnswerResult, Model, method, undefined, wrong_args};
 use crate::lang::{Anchor, inner, param_types, value_text};
@@ -26,7 +28,7 @@ pub(super) const INITIALIZER_METHODS: &[&str] = &["member", "doc", "kind", "valu
 
 pub(super) fn param(
     model: &Model<'_>,
-    component: u32,
+    component: ComponentId,
     at: ParamRef,
     words: &[String],
 ) -> AnswerResult {
@@ -89,7 +91,7 @@ pub(super) fn param(
 /// The default value of a parameter, or the part of it for a type.
 fn initializer_of(
     model: &Model<'_>,
-    component: u32,
+    component: ComponentId,
     at: ParamRef,
     arguments: &[String],
 ) -> Result<Option<Answer>, Failure> {
@@ -179,7 +181,7 @@ fn find_part(
 
 pub(super) fn initializer(
     model: &Model<'_>,
-    component: u32,
+    component: ComponentId,
     param: ParamRef,
     path: &[u32],
     words: &[String],

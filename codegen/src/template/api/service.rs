@@ -1,6 +1,6 @@
 //! Methods of services and remotes.
 
-use dotgen_analysis::model::{CodelKind, CodelRef, Owner};
+use dotgen_analysis::model::{CodelKind, CodelRef, ComponentId, Owner};
 
 use super::{
     Answer, AnswerResult, CODEL_KINDS, Model, codel_kind_word, dir_matches, find, method, text,
@@ -56,7 +56,7 @@ const DIRECTIONS: &[&str] = &["local", "in", "out", "inout"];
 
 pub(super) fn service(
     model: &Model<'_>,
-    component: u32,
+    component: ComponentId,
     index: u32,
     words: &[String],
 ) -> AnswerResult {
@@ -128,7 +128,7 @@ pub(super) fn service(
 
 pub(super) fn remote(
     model: &Model<'_>,
-    component: u32,
+    component: ComponentId,
     index: u32,
     words: &[String],
 ) -> AnswerResult {

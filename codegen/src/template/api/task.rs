@@ -1,6 +1,6 @@
 //! Methods of tasks and ports.
 
-use dotgen_analysis::model::{CodelKind, CodelRef, Owner};
+use dotgen_analysis::model::{CodelKind, CodelRef, ComponentId, Owner};
 
 use super::{Answer, AnswerResult, Model, method, port_kind, text, undefined, wrong_args};
 use crate::lang::Anchor;
@@ -29,7 +29,7 @@ pub(super) const PORT_METHODS: &[&str] =
 
 pub(super) fn task(
     model: &Model<'_>,
-    component: u32,
+    component: ComponentId,
     index: u32,
     words: &[String],
 ) -> AnswerResult {
@@ -83,7 +83,7 @@ pub(super) fn task(
 
 pub(super) fn port(
     model: &Model<'_>,
-    component: u32,
+    component: ComponentId,
     index: u32,
     words: &[String],
 ) -> AnswerResult {

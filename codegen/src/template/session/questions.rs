@@ -147,7 +147,7 @@ impl Session<'_> {
                 .map(Object::Type)
                 .collect()
         } else {
-            let components = spec.components.iter().enumerate();
+            let components = spec.components.iter_enumerated();
             components
                 .filter(|(_, component)| {
                     let interface =
@@ -155,7 +155,7 @@ impl Session<'_> {
                     interface == (what == "interfaces")
                         && glob.is_none_or(|glob| tcl::glob_match(glob, &component.name))
                 })
-                .map(|(index, _)| Object::Component(index as u32))
+                .map(|(index, _)| Object::Component(index))
                 .collect()
         };
         Answer::pure(tcl::list(self.registry.handles(objects)))
@@ -216,7 +216,7 @@ impl Session<'_> {
         };
         let codel = || match self.object(argument(0))? {
             Object::Codel(component, at) => {
-                let codel = compiled.spec.components[component as usize].codel(at);
+                let codel = compiled.spec.components[component].codel(at);
                 Ok((component, codel))
             }
             _ => Err(Failure::Error(format!("{} is not a codel", argument(0)))),

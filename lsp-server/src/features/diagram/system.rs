@@ -102,7 +102,7 @@ impl Names {
     }
 
     fn rename(&self, unit: &mut UnitResult) {
-        let components = unit.spec.components.iter().enumerate();
+        let components = unit.spec.components.iter_enumerated();
         let renamed = components.filter_map(|(index, component)| {
             let folder = self.folder(&unit.locations.locate(component.src)?.path)?;
             Some((index, self.renamed.get(&(folder, component.name.clone()))?.clone()))

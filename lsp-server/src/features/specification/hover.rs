@@ -95,7 +95,7 @@ fn prototype(
     codel: &str,
 ) -> Cancellable<Option<String>> {
     let unit = snapshot.analysis.unit(&subject.path)?;
-    let mut components = (0..).zip(&unit.spec.components);
+    let mut components = unit.spec.components.iter_enumerated();
     let found = components.find(|(_, candidate)| candidate.name.as_str() == component);
     let Some((index, component)) = found else {
         return Ok(None);

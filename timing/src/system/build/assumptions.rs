@@ -15,11 +15,10 @@ impl Builder<'_> {
         self.out.conditions = codels.map(|codel| Condition::Wcet { codel }).collect();
         for &index in included {
             let Member { spec, component, .. } = self.names.components[index];
-            let Some(at) = spec.components.iter().position(|other| other.name == component.name)
-            else {
+            let Some(at) = spec.components.position(|other| other.name == component.name) else {
                 continue;
             };
-            let unknown = spec.unknown_interfaces(at as u32).into_iter();
+            let unknown = spec.unknown_interfaces(at).into_iter();
             self.out.conditions.extend(unknown.map(|interface| Condition::Interface {
                 interface: interface.to_string(),
                 component: component.name.to_string(),

@@ -6,7 +6,7 @@ use super::Names;
 use crate::{
     elab::DefKind,
     ide::{completion::Completions, context::Word},
-    model::Component,
+    model::{Component, ComponentId},
 };
 
 impl Names<'_, '_> {
@@ -30,8 +30,8 @@ impl Names<'_, '_> {
     /// Returns true if the component already provides, uses or extends an interface.
     fn has_interface(&self, interface: &str) -> bool {
         let all = &self.spec().components;
-        let named = |number: &u32| {
-            all.get(*number as usize).is_some_and(|component| component.name == interface)
+        let named = |number: &ComponentId| {
+            all.get(*number).is_some_and(|component| component.name == interface)
         };
         self.component().is_some_and(|component| {
             let mut listed =

@@ -1,0 +1,33 @@
+//! Indices into the tables of the model, one type for each table.
+
+use serde::{Deserialize, Serialize};
+
+/// Declares the index into one table.
+macro_rules! ids {
+    ($($(#[$doc:meta])* $name:ident)*) => {$(
+        $(#[$doc])*
+        #[derive(
+            Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize,
+        )]
+        pub struct $name(pub u32);
+
+        impl From<usize> for $name {
+            #[inline]
+            fn from(index: usize) -> Self {
+                $name(index as u32)
+            }
+        }
+
+        impl From<$name> for usize {
+            #[inline]
+            fn from(id: $name) -> usize {
+                id.0 as usize
+            }
+        }
+    )*};
+}
+
+ids! {
+    /// A component or interface: an index into [`Spec::components`](super::Spec::components).
+    ComponentId
+}
