@@ -39,7 +39,7 @@ use smol_str::SmolStr;
 use crate::{
     finding::Finding,
     item_tree::ItemTree,
-    model::{Component, ComponentId, Spec, Src, TypeId},
+    model::{Component, ComponentId, PortId, ServiceId, Spec, Src, TaskId, TypeId},
     release::Release,
 };
 
@@ -153,13 +153,13 @@ pub enum Entity {
     /// Index into [`Spec::components`].
     Component(ComponentId),
     /// Component, index into its tasks.
-    Task(ComponentId, u32),
+    Task(ComponentId, TaskId),
     /// Component, index into its ports.
-    Port(ComponentId, u32),
+    Port(ComponentId, PortId),
     /// Component, index into its services.
-    Service(ComponentId, u32),
+    Service(ComponentId, ServiceId),
     /// Component, index into its services, index into the parameters of that service.
-    Param(ComponentId, u32, u32),
+    Param(ComponentId, ServiceId, u32),
 }
 
 /// A use of a name.

@@ -18,7 +18,7 @@ use crate::finding::{
     lints::{CodelName, LintWarning},
 };
 use crate::model::{
-    Codel, CodelRef, Component, ComponentKind, Owner, OwnerName, Seconds, Spec, Src,
+    Codel, CodelRef, Component, ComponentKind, Owner, OwnerName, Seconds, Spec, Src, TaskId,
 };
 
 pub use unused::unused;
@@ -58,16 +58,16 @@ impl<'a> Lint<'a> {
     }
 
     /// The task in which the machine of an owner runs.
-    fn task_of(&self, owner: Owner) -> Option<u32> {
+    fn task_of(&self, owner: Owner) -> Option<TaskId> {
         match owner {
             Owner::Task(i) => Some(i),
-            Owner::Service(i) => self.component.services[i as usize].task,
+            Owner::Service(i) => self.component.services[i].task,
         }
     }
 
     /// The period of the task in which the machine of an owner runs.
     fn period_of(&self, owner: Owner) -> Option<Seconds> {
-        let task = &self.component.tasks[self.task_of(owner)? as usize];
+        let task = &self.component.tasks[self.task_of(owner)?];
         task.period.as_ref().map(|p| p.value)
     }
 

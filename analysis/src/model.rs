@@ -28,7 +28,7 @@ use typed_index_collections::TiVec;
 
 use crate::release::Release;
 pub use gaps::{Gap, Missing, SourceKind, UnknownDependencies};
-pub use ids::ComponentId;
+pub use ids::{ComponentId, PortId, RemoteId, ServiceId, TaskId};
 pub use owner::OwnerName;
 pub use types::{Label, Scope, ScopeKind, Type, TypeId, TypeKind, Value};
 
@@ -155,12 +155,12 @@ pub struct Component {
     /// Exceptions thrown by all services (the component's own `throws`).
     pub throws: Vec<TypeId>,
     /// Execution tasks.
-    pub tasks: Vec<Task>,
-    pub ports: Vec<Port>,
+    pub tasks: TiVec<TaskId, Task>,
+    pub ports: TiVec<PortId, Port>,
     /// Attributes, functions and activities.
-    pub services: Vec<Service>,
+    pub services: TiVec<ServiceId, Service>,
     /// Remote services (imported with `uses`).
-    pub remotes: Vec<Remote>,
+    pub remotes: TiVec<RemoteId, Remote>,
 }
 
 /// An execution task.
@@ -226,7 +226,7 @@ pub struct ServiceList {
     /// `all` was named: every service of the component.
     pub all: bool,
     /// The services named: indexes into [`Component::services`].
-    pub services: Vec<u32>,
+    pub services: Vec<ServiceId>,
 }
 
 /// An attribute, function or activity.
@@ -239,7 +239,7 @@ pub struct Service {
     /// `doc`
     pub doc: Option<String>,
     /// Task it runs in (activities): index into [`Component::tasks`].
-    pub task: Option<u32>,
+    pub task: Option<TaskId>,
     /// Parameters and local variables, in order. For attributes these are paths into the ids.
     pub params: Vec<Param>,
     /// All codels, in order of properties, of any [`CodelKind`].
@@ -270,7 +270,7 @@ pub struct Remote {
     /// The interface it comes from.
     pub interface: ComponentId,
     /// The service of that interface: index into [`Component::services`].
-    pub service: u32,
+    pub service: ServiceId,
     /// Exceptions: providing interface, its task, the service.
     pub throws: Vec<TypeId>,
 }
@@ -343,9 +343,9 @@ pub enum ParamSource {
     /// parameter or local variable of the service (index into [`Service::params`]).
     Local(Option<u32>),
     /// A port (index into [`Component::ports`]).
-    Port(u32),
+    Port(PortId),
     /// A remote (index into [`Component::remotes`]).
-    Remote(u32),
+    Remote(RemoteId),
     /// An unresolved reference: its target is missing, or comes from a missing file. Its type is
     /// [`TypeKind::Unknown`].
     Opaque,
@@ -427,9 +427,9 @@ pub enum InitValue {
 #[serde(rename_all = "lowercase")]
 pub enum Owner {
     /// Index into [`Component::tasks`].
-    Task(u32),
+    Task(TaskId),
     /// Index into [`Component::services`].
-    Service(u32),
+    Service(ServiceId),
 }
 
 /// Names one codel of a component.
@@ -493,8 +493,8 @@ impl Spec {
 impl Component {
     pub fn codels_of(&self, owner: Owner) -> &[Codel] {
         match owner {
-            Owner::Task(i) => &self.tasks[i as usize].codels,
-            Owner::Service(i) => &self.services[i as usize].codels,
+            Owner::Task(i) => &self.tasks[i].codels,
+            Owner::Service(i) => &self.services[i].codels,
         }
     }
 
@@ -504,8 +504,8 @@ impl Component {
 
     /// Everything that has codels: tasks in order, then services in order.
     pub fn owners(&self) -> impl Iterator<Item = Owner> + use<> {
-        let tasks = (0..self.tasks.len() as u32).map(Owner::Task);
-        tasks.chain((0..self.services.len() as u32).map(Owner::Service))
+        let tasks = self.tasks.keys().map(Owner::Task);
+        tasks.chain(self.services.keys().map(Owner::Service))
     }
 
     /// Tasks and services with a state machine, in order.
@@ -518,8 +518,8 @@ impl Component {
     /// Name of a task or service.
     pub fn owner_name(&self, owner: Owner) -> &Name {
         match owner {
-            Owner::Task(task) => &self.tasks[task as usize].name,
-            Owner::Service(service) => &self.services[service as usize].name,
+            Owner::Task(task) => &self.tasks[task].name,
+            Owner::Service(service) => &self.services[service].name,
         }
     }
 
@@ -532,12 +532,10 @@ impl Component {
 
     /// The execution task that runs a codel; `None` for codels that the control task runs (validate and
     /// simple codels).
-    pub fn task_of(&self, codel: CodelRef) -> Option<u32> {
+    pub fn task_of(&self, codel: CodelRef) -> Option<TaskId> {
         match codel.owner {
             Owner::Task(i) => Some(i),
-            Owner::Service(i) if self.codel(codel).kind == CodelKind::Fsm => {
-                self.services[i as usize].task
-            }
+            Owner::Service(i) if self.codel(codel).kind == CodelKind::Fsm => self.services[i].task,
             Owner::Service(_) => None,
         }
     }

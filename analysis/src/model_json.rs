@@ -10,8 +10,8 @@ use serde_json::{Map, Value as Json, json};
 
 use crate::{
     model::{
-        Codel, CodelKind, Component, ComponentId, Label, Owner, Quantity, ServiceList, Spec, Src,
-        State, Task, Type, TypeId, TypeKind, Value, layout::max_size,
+        Codel, CodelKind, Component, ComponentId, Label, Owner, Quantity, ServiceId, ServiceList,
+        Spec, Src, State, Task, TaskId, Type, TypeId, TypeKind, Value, layout::max_size,
     },
     source_map::Locations,
 };
@@ -87,10 +87,10 @@ impl Writer<'_> {
             out.put("ids", members);
         }
         let all = |list: &mut dyn Iterator<Item = Json>| Json::Array(list.collect());
-        let tasks = (0..).zip(&component.tasks);
+        let tasks = component.tasks.iter_enumerated();
         out.put("tasks", all(&mut tasks.map(|(i, task)| self.task(component, i, task))));
         out.put("ports", all(&mut component.ports.iter().map(|port| self.port(port))));
-        let services = 0..component.services.len() as u32;
+        let services = component.services.keys();
         out.put("services", all(&mut services.map(|service| self.service(component, service))));
         let remotes = component.remotes.iter();
         out.put("remotes", all(&mut remotes.map(|remote| self.remote(component, remote))));
@@ -130,7 +130,7 @@ impl Writer<'_> {
         out.done()
     }
 
-    fn task(&self, component: &Component, index: u32, task: &Task) -> Json {
+    fn task(&self, component: &Component, index: TaskId, task: &Task) -> Json {
         let mut out = Object::default();
         out.put("name", task.name.as_str());
         out.put_some("doc", task.doc.as_deref());
@@ -159,13 +159,13 @@ impl Writer<'_> {
         out.done()
     }
 
-    fn service(&self, component: &Component, index: u32) -> Json {
-        let service = &component.services[index as usize];
+    fn service(&self, component: &Component, index: ServiceId) -> Json {
+        let service = &component.services[index];
         let mut out = Object::default();
         out.put("name", service.name.as_str());
         out.put("kind", json!(service.kind));
         out.put_some("doc", service.doc.as_deref());
-        let task = service.task.and_then(|task| component.tasks.get(task as usize));
+        let task = service.task.and_then(|task| component.tasks.get(task));
         out.put_some("task", task.map(|task| task.name.as_str()));
         let params = service.params.iter().map(|param| self.param(component, None, param));
         out.put("params", params.collect::<Vec<_>>());
@@ -371,7 +371,7 @@ fn service_names(component: &Component, list: &ServiceList) -> Json {
         return component.services.iter().map(name).collect();
     }
     let named = list.services.iter();
-    named.filter_map(|service| component.services.get(*service as usize)).map(name).collect()
+    named.filter_map(|service| component.services.get(*service)).map(name).collect()
 }
 
 fn unique<const N: usize>(lists: [&Vec<TypeId>; N]) -> Vec<TypeId> {

@@ -178,8 +178,7 @@ fn share_throws(spec: &mut Arc<Spec>) {
     for component in &spec.components {
         for service in &component.services {
             let theirs = service.imported_from.and_then(|interface| {
-                let services = spec.components[interface].services.iter();
-                let mut services = (0usize..).zip(services);
+                let mut services = spec.components[interface].services.iter_enumerated();
                 let (index, service) = services.find(|other| other.1.name == service.name)?;
                 (!service.throws.is_empty()).then_some((interface, index, &service.throws))
             });

@@ -496,7 +496,7 @@ impl<'a> Mapper<'a> {
             }
             TypeKind::PauseEvent => "pause",
             TypeKind::Remote { component, remote } => {
-                let remote = &self.spec.components[*component].remotes[*remote as usize];
+                let remote = &self.spec.components[*component].remotes[*remote];
                 remote.kind.word()
             }
             _ => return self.places.place(known_type.src, Anchor::First),
@@ -531,11 +531,11 @@ pub fn param_types(spec: &Spec, component: ComponentId, param: &Param) -> (TypeI
     let component = &spec.components[component];
     match param.source {
         ParamSource::Port(port) => {
-            let ty = component.ports[port as usize].ty;
+            let ty = component.ports[port].ty;
             (ty, ty)
         }
         ParamSource::Remote(remote) => {
-            let ty = component.remotes[remote as usize].ty;
+            let ty = component.remotes[remote].ty;
             (ty, ty)
         }
         ParamSource::Ids => (component.ids.unwrap_or(param.base), param.ty),

@@ -45,9 +45,9 @@ pub fn graph(spec: &Spec, component: &Component, owner: Owner, options: Options)
     }
     let task = match owner {
         Owner::Task(i) => Some(i),
-        Owner::Service(i) => component.services[i as usize].task,
+        Owner::Service(i) => component.services[i].task,
     }
-    .and_then(|i| component.tasks.get(i as usize));
+    .and_then(|i| component.tasks.get(i));
     let mut machine = Machine {
         graph: Graph {
             title: format!("{}.{}", component.name, component.owner_name(owner)),
@@ -323,7 +323,7 @@ impl Machine<'_> {
         }
         let mut thrown: Vec<&str> = Vec::new();
         let service = match owner {
-            Owner::Service(i) => component.services[i as usize].throws.as_slice(),
+            Owner::Service(i) => component.services[i].throws.as_slice(),
             Owner::Task(_) => &[],
         };
         let of_task = task.map_or(&[][..], |task| &task.throws);

@@ -6,7 +6,7 @@
 
 use dotgen_analysis::model::mutex::{self, Excluded, Shared};
 use dotgen_analysis::model::{
-    Codel, CodelKind, CodelRef, Component, Owner, Param, ParamDir, Spec, Src,
+    Codel, CodelKind, CodelRef, Component, Owner, Param, ParamDir, ServiceId, Spec, Src, TaskId,
 };
 use rustc_hash::FxHashMap;
 
@@ -16,7 +16,7 @@ use crate::graph::{Direction, Edge, Graph, Line, LineStyle, Node, Origin, Shape}
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 enum Holder {
     Codel(CodelRef),
-    Attribute(u32),
+    Attribute(ServiceId),
 }
 
 /// One use of a resource.
@@ -248,7 +248,7 @@ impl Exclusions<'_> {
                 )
             }
             Holder::Attribute(attribute) => {
-                ("attribute", "attribute".to_owned(), component.services[attribute as usize].src)
+                ("attribute", "attribute".to_owned(), component.services[attribute].src)
             }
         };
         Node {
@@ -273,7 +273,7 @@ impl Exclusions<'_> {
 
 fn task_name(component: &Component, holder: Holder) -> String {
     match task(component, holder) {
-        Some(task) => format!("task {}", component.tasks[task as usize].name),
+        Some(task) => format!("task {}", component.tasks[task].name),
         None => "control task".to_owned(),
     }
 }
@@ -290,12 +290,12 @@ fn states(codel: &Codel) -> String {
 fn params(component: &Component, holder: Holder) -> &[Param] {
     match holder {
         Holder::Codel(codel) => &component.codel(codel).params,
-        Holder::Attribute(attribute) => &component.services[attribute as usize].params,
+        Holder::Attribute(attribute) => &component.services[attribute].params,
     }
 }
 
 /// The execution task; `None` for the control task.
-fn task(component: &Component, holder: Holder) -> Option<u32> {
+fn task(component: &Component, holder: Holder) -> Option<TaskId> {
     match holder {
         Holder::Codel(codel) => component.task_of(codel),
         Holder::Attribute(_) => None,
@@ -305,14 +305,14 @@ fn task(component: &Component, holder: Holder) -> Option<u32> {
 fn holder_name(component: &Component, holder: Holder) -> String {
     match holder {
         Holder::Codel(codel) => component.codel(codel).name.to_string(),
-        Holder::Attribute(attribute) => component.services[attribute as usize].name.to_string(),
+        Holder::Attribute(attribute) => component.services[attribute].name.to_string(),
     }
 }
 
 fn holder_id(component: &Component, holder: Holder) -> String {
     match holder {
         Holder::Codel(codel) => format!("{}#{}", component.owner_name(codel.owner), codel.index),
-        Holder::Attribute(attribute) => component.services[attribute as usize].name.to_string(),
+        Holder::Attribute(attribute) => component.services[attribute].name.to_string(),
     }
 }
 
@@ -322,7 +322,7 @@ fn resource_id(component: &Component, shared: &Shared) -> String {
         Shared::Ids(path) => format!("ids.{}", mutex::path_text(path)),
         Shared::Port(port) => component
             .ports
-            .get(*port as usize)
+            .get(*port)
             .map_or_else(|| "port".to_owned(), |port| format!("port {}", port.name)),
     }
 }
@@ -330,7 +330,7 @@ fn resource_id(component: &Component, shared: &Shared) -> String {
 fn resource(component: &Component, shared: &Shared, column: usize) -> Node {
     let id = resource_id(component, shared);
     let src = match shared {
-        Shared::Port(port) => component.ports.get(*port as usize).map(|port| port.src),
+        Shared::Port(port) => component.ports.get(*port).map(|port| port.src),
         Shared::Ids(_) => None,
     };
     Node {

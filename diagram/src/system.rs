@@ -114,7 +114,7 @@ pub fn graph(parts: &[Part], options: &Options) -> Graph {
 fn inputs(system: &System<'_>, number: usize, graph: &mut Graph) {
     let part = &system.parts[number];
     let name = &part.component.name;
-    let ports = (0..).zip(&part.component.ports);
+    let ports = part.component.ports.iter_enumerated();
     for (index, port) in ports.filter(|port| port.1.dir == PortDir::In) {
         let sources = system.sources((number, index));
         if sources.is_empty() {
@@ -129,7 +129,7 @@ fn inputs(system: &System<'_>, number: usize, graph: &mut Graph) {
         }
         for (component, source) in sources {
             let component = system.parts[component].component;
-            let source = &component.ports[source as usize].name;
+            let source = &component.ports[source].name;
             let component = &component.name;
             let id = format!("{component}.{source}");
             let mut edge =
@@ -200,11 +200,10 @@ fn summary(part: &Part, options: &Options, lines: &mut Vec<Line>) {
     let component = part.component;
     lines.extend(component.tasks.iter().map(task));
     if options.services > 0 {
-        let shown = component.services.len().min(options.services);
-        for service in &component.services[..shown] {
+        for service in component.services.iter().take(options.services) {
             lines.push(Line::new(LineStyle::Code, format!("{}()", service.name)));
         }
-        let more = component.services.len() - shown;
+        let more = component.services.len().saturating_sub(options.services);
         if more > 0 {
             let plural = if more == 1 { "" } else { "s" };
             lines.push(Line::new(LineStyle::Detail, format!("… {more} more service{plural}")));
@@ -236,11 +235,8 @@ fn interrupts(part: &Part, lines: &mut Vec<Line>) {
         let names = if list.all {
             "all".to_owned()
         } else {
-            let names: Vec<&str> = list
-                .services
-                .iter()
-                .map(|&i| component.services[i as usize].name.as_str())
-                .collect();
+            let names: Vec<&str> =
+                list.services.iter().map(|&i| component.services[i].name.as_str()).collect();
             names.join(", ")
         };
         if !names.is_empty() {
@@ -305,7 +301,7 @@ fn locks(system: &System, graph: &mut Graph) {
 fn follow(system: &System, chain: &Chain, graph: &mut Graph) {
     let data = |(component, port): &(String, String)| {
         let part = system.part(component)?;
-        let mut ports = (0..).zip(&system.parts[part].component.ports);
+        let mut ports = system.parts[part].component.ports.iter_enumerated();
         let (index, _) = ports.find(|(_, candidate)| candidate.name.as_str() == port)?;
         let source = system.data_of((part, index)).first().copied()?;
         Some(system.port_name(source))

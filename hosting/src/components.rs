@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use dotgen_analysis::model::{Component, ComponentId, PortDir, Service, Spec, TypeId, TypeKind};
+use dotgen_analysis::model::{
+    self, Component, ComponentId, PortDir, Service, Spec, TypeId, TypeKind,
+};
 use dotgen_codegen::codels::schema;
 use dotgen_codegen::codels::value::{Values, is_input, is_output};
 use dotgen_runtime::hosts::RequestReply;
@@ -115,12 +117,12 @@ fn detail_of(spec: &Spec, exception: &str, bytes: &[u8]) -> Value {
 /// A message: the service cannot be requested in this run, or the inputs do not fit.
 pub(super) fn inputs_of(
     known: &KnownComponent,
-    index: usize,
+    index: model::ServiceId,
     input: Option<&Value>,
 ) -> Result<(ServiceId, Vec<u8>), String> {
     let service = &known.component().services[index];
     let path = format!("{}.{}", known.component().name, service.name);
-    let Some(wanted) = known.services[index] else {
+    let Some(wanted) = known.services[usize::from(index)] else {
         return Err(format!("`{path}` cannot be requested in this run"));
     };
     let none = Map::new();
@@ -149,7 +151,11 @@ fn not_an_object(spec: &Spec, service: &Service) -> String {
 }
 
 /// Returns the reply to a client for an answer of the engine to a request of a service.
-pub(super) fn reply_of(known: &KnownComponent, index: usize, answer: &RequestReply) -> Value {
+pub(super) fn reply_of(
+    known: &KnownComponent,
+    index: model::ServiceId,
+    answer: &RequestReply,
+) -> Value {
     match answer {
         RequestReply::Accepted => json!({"event": "accepted"}),
         RequestReply::Done(bytes) => {

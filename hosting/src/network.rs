@@ -10,7 +10,7 @@ mod requests;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::{Arc, Mutex};
 
-use dotgen_analysis::model::{Port, PortDir, Spec, TypeId};
+use dotgen_analysis::model::{Port, PortDir, PortId, Spec, TypeId};
 use dotgen_codegen::codels::cdr::{from_cdr, to_cdr};
 use dotgen_codegen::codels::value::Values;
 use dotgen_runtime::hosts::RequestReply;
@@ -83,14 +83,14 @@ pub fn join(
     presence::follow(&session, wanted.remote, tell).map_err(failed)?;
     let mut subscribers = Vec::new();
     for (&component, entry) in known {
-        for (index, port) in (0u32..).zip(&entry.component().ports) {
+        for (index, port) in entry.component().ports.iter_enumerated() {
             if port.dir == PortDir::Out {
                 continue;
             }
             let chosen =
-                wanted.reads.iter().filter(|entry| entry.0 == component && entry.1 == index);
+                wanted.reads.iter().filter(|entry| entry.0 == component && entry.1 == index.0);
             let mut keys: Vec<String> = chosen.map(|triple| triple.2.clone()).collect();
-            if keys.is_empty() && !is_fed(component, index) {
+            if keys.is_empty() && !is_fed(component, index.0) {
                 keys.push(format!("*/{}", port.name));
                 if port.multiple {
                     keys.push(format!("*/{}/*", port.name));
@@ -102,7 +102,7 @@ pub fn join(
                     ty: port.data,
                     path: format!("{}.{}", entry.component().name, port.name),
                     component,
-                    port: index,
+                    port: index.0,
                     multiple: port.multiple,
                     inbox: inbox.clone(),
                     tell: tell.clone(),
@@ -267,7 +267,7 @@ impl RunListener for Outputs {
         let Some(known) = self.known.get(&component) else {
             return;
         };
-        let Some(of) = known.component().ports.get(port as usize) else {
+        let Some(of) = known.component().ports.get(PortId(port)) else {
             return;
         };
         let place = (component, port, id.to_owned());

@@ -25,6 +25,7 @@ use super::children::{InputSlot, RunInbox, RunListener};
 use super::clients::MAX_REQUEST_BYTES;
 use super::components::KnownComponent;
 use super::network::{Notifier, SOURCES, config};
+use dotgen_analysis::model::PortId;
 use dotgen_timing::system::ComponentId;
 use requests::Requests;
 use topics::{Topic, now};
@@ -94,7 +95,7 @@ fn nodes(
                 let refused = node.refused.iter();
                 refused.for_each(|refusal| tell(&refusal.to_string()));
                 node.endpoints.retain(|endpoint| match (endpoint.kind, endpoint.part) {
-                    (Kind::Subscription, Part::Port(port)) => !is_fed(component, port),
+                    (Kind::Subscription, Part::Port(port)) => !is_fed(component, port.0),
                     _ => true,
                 });
                 found.insert(component, node);
@@ -179,12 +180,12 @@ impl Nodes {
                 }
                 (Kind::Publisher, Part::Port(port)) => {
                     if !endpoint.multiple {
-                        topics.insert((port, String::new()), Some(topic()?));
+                        topics.insert((port.0, String::new()), Some(topic()?));
                     }
                 }
                 (Kind::Subscription, Part::Port(port)) => {
                     let conversion = node.conversions.get(&port).cloned();
-                    let input = self.input(component, port, endpoint.multiple, conversion);
+                    let input = self.input(component, port.0, endpoint.multiple, conversion);
                     let subscriber = self.session.declare_subscriber(key);
                     let subscriber = subscriber.callback(move |sample| input.hear(&sample));
                     subscribers.push(subscriber.wait()?);
@@ -233,7 +234,7 @@ impl Nodes {
     /// Declares the topic of an instance of a `multiple` output port.
     fn instance(&self, node: &Node, number: u32, port: u32, name: &str) -> Option<Topic> {
         let mut all = node.endpoints.iter();
-        let endpoint: &Endpoint = all.find(|endpoint| endpoint.part == Part::Port(port))?;
+        let endpoint: &Endpoint = all.find(|endpoint| endpoint.part == Part::Port(PortId(port)))?;
         let topic = endpoint.instance(name).and_then(|instance| {
             let topic = Topic::new(&self.session, self.id(node, number), &instance, self.number());
             topic.map_err(|error| error.to_string())
@@ -285,8 +286,8 @@ impl RunListener for Nodes {
         };
         let known = &self.requests.known[&component];
         let declaration = known.component();
-        let declared = &declaration.ports[port as usize];
-        let conversion = joined.node.conversions.get(&port);
+        let declared = &declaration.ports[PortId(port)];
+        let conversion = joined.node.conversions.get(&PortId(port));
         let message = match conversion {
             Some(conversion) => conversion.message(&known.spec, data, now()),
             None => Payloads::new(&known.spec, declaration).message(declared.data, data).map(Some),
@@ -330,7 +331,7 @@ impl Input {
         let instance = sample.key_expr().as_str().rsplit('/').nth(2);
         let name = instance.filter(|_| self.multiple).unwrap_or_default();
         let component = self.known.component();
-        let ty = component.ports[self.port as usize].data;
+        let ty = component.ports[PortId(self.port)].data;
         let (spec, payload) = (&self.known.spec, payload.to_bytes());
         let data = match &self.conversion {
             Some(conversion) => conversion.data(spec, &payload),

@@ -28,6 +28,7 @@ use super::clients::{
 use super::components::{CONNECT, KnownComponent, describe, inputs_of, reply_of};
 use super::remote::RemoteComponents;
 use super::stream::{Stream, TimedInput};
+use dotgen_analysis::model::{PortId, ServiceId};
 use dotgen_platform::files::disk::TemporaryFile;
 use dotgen_timing::system::ComponentId;
 use find::{component, output};
@@ -148,7 +149,7 @@ struct PendingRequest {
     /// The `id` that the client gave the request.
     id: Value,
     component: ComponentId,
-    index: usize,
+    index: ServiceId,
 }
 
 struct Watcher {
@@ -447,7 +448,7 @@ fn call(
     let at = component(shared, name)?;
     let known = &shared.known[&at];
     let services = &known.component().services;
-    let found = services.iter().position(|candidate| candidate.name == service);
+    let found = services.position(|candidate| candidate.name == service);
     if found.is_none() && service == CONNECT {
         client.say(inputs::connect(shared, at, input)?, id);
         return Ok(());
@@ -514,7 +515,7 @@ impl RunListener for EngineListener {
         let Some(known) = self.shared.known.get(&component) else {
             return;
         };
-        let ty = known.component().ports[port as usize].data;
+        let ty = known.component().ports[PortId(port)].data;
         let mut value = None;
         let of = state.watchers.iter();
         for watcher in of.filter(|watcher| (watcher.component, watcher.port) == (component, port)) {

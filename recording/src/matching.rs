@@ -1,6 +1,6 @@
 //! The assignment of log lines to codels of the specifications.
 
-use dotgen_analysis::model::{Codel, CodelKind, CodelRef, Component, Owner};
+use dotgen_analysis::model::{Codel, CodelKind, CodelRef, Component, Owner, TaskId};
 use dotgen_timing::scn::names::Names;
 
 use crate::log::LineKind;
@@ -75,8 +75,8 @@ pub fn site(names: &Names<'_>, kind: &LineKind) -> Result<Site, Mismatch> {
     let model = member.component;
     let (codel, state) = match from.component {
         Some(_) => {
-            let task = model.tasks.iter().position(|task| task.name == kind.task);
-            let task = task.ok_or(Mismatch::Task)? as u32;
+            let task = model.tasks.position(|task| task.name == kind.task);
+            let task = task.ok_or(Mismatch::Task)?;
             (of_machine(model, task, kind, from.name)?, Some(from.name.to_owned()))
         }
         None => (of_control(model, kind).ok_or_else(|| without(model, kind))?, None),
@@ -106,15 +106,14 @@ fn component(names: &Names<'_>, kind: &LineKind, from: &Event<'_>) -> Option<usi
 
 fn of_machine(
     component: &Component,
-    task: u32,
+    task: TaskId,
     kind: &LineKind,
     state: &str,
 ) -> Result<CodelRef, Mismatch> {
-    let service = component.services.iter().position(|of| of.name == kind.service);
-    let service = service.map(|service| service as u32);
+    let service = component.services.position(|of| of.name == kind.service);
     let in_service = service.and_then(|it_is| in_state(component, Owner::Service(it_is), state));
     if let (Some(service), Some(codel)) = (service, in_service) {
-        let of = component.services.get(service as usize).and_then(|service| service.task);
+        let of = component.services.get(service).and_then(|service| service.task);
         return if of == Some(task) { Ok(codel) } else { Err(Mismatch::WrongTask) };
     }
     // Recorders differ in their name for the service of a permanent activity. No service has such a name.
@@ -133,8 +132,8 @@ fn in_state(component: &Component, owner: Owner, state: &str) -> Option<CodelRef
 }
 
 fn of_control(component: &Component, kind: &LineKind) -> Option<CodelRef> {
-    let service = component.services.iter().position(|of| of.name == kind.service)?;
-    let owner = Owner::Service(service as u32);
+    let service = component.services.position(|of| of.name == kind.service)?;
+    let owner = Owner::Service(service);
     let validates = kind.from == "validate";
     let index = component.codels_of(owner).iter().position(|codel| {
         let wanted = if validates { CodelKind::Validate } else { CodelKind::Simple };

@@ -196,7 +196,7 @@ fn locks_of(names: &Names<'_>, kind: &LineKind) -> Vec<String> {
                 }));
             }
             ParamSource::Port(port) => {
-                let port = member.component.ports.get(port as usize);
+                let port = member.component.ports.get(port);
                 out.extend(port.map(|port| port.name.to_string()));
             }
             _ => {}

@@ -1,6 +1,6 @@
 //! Payloads in CDR, from and to the bytes of the [glue](dotgen_codegen::codels::glue).
 
-use dotgen_analysis::model::{Component, Param, Service, Spec, TypeId, TypeKind};
+use dotgen_analysis::model::{Component, Param, Service, ServiceId, Spec, TypeId, TypeKind};
 use dotgen_codegen::codels::cdr::{CdrReader, CdrWriter, Unions};
 use dotgen_codegen::codels::value::{Reader, ValueError, Values, is_input, is_output};
 use dotgen_codegen::template::throws::service_throws;
@@ -86,7 +86,7 @@ impl<'s> Payloads<'s> {
     ///
     /// # Errors
     /// The request is malformed.
-    pub fn inputs(&self, service: u32, request: &[u8]) -> Bytes {
+    pub fn inputs(&self, service: ServiceId, request: &[u8]) -> Bytes {
         self.read_inputs(service, &mut reader(request)?)
     }
 
@@ -94,7 +94,7 @@ impl<'s> Payloads<'s> {
     ///
     /// # Errors
     /// The bytes are not outputs of the service, or not members of the exception.
-    pub fn response(&self, service: u32, outcome: Outcome<'_>) -> Bytes {
+    pub fn response(&self, service: ServiceId, outcome: Outcome<'_>) -> Bytes {
         let mut out = writer();
         self.outcome(service, outcome, &mut out)?;
         Ok(out.finish())
@@ -104,7 +104,11 @@ impl<'s> Payloads<'s> {
     ///
     /// # Errors
     /// The request is malformed.
-    pub fn goal(&self, service: u32, request: &[u8]) -> Result<(GoalId, Vec<u8>), ValueError> {
+    pub fn goal(
+        &self,
+        service: ServiceId,
+        request: &[u8],
+    ) -> Result<(GoalId, Vec<u8>), ValueError> {
         let mut from = reader(request)?;
         let id = goal_id(&mut from)?;
         Ok((id, self.read_inputs(service, &mut from)?))
@@ -114,14 +118,14 @@ impl<'s> Payloads<'s> {
     ///
     /// # Errors
     /// The bytes are not outputs of the service, or not members of the exception.
-    pub fn result(&self, service: u32, status: i8, outcome: Outcome<'_>) -> Bytes {
+    pub fn result(&self, service: ServiceId, status: i8, outcome: Outcome<'_>) -> Bytes {
         let mut out = writer();
         out.number(status.to_ne_bytes());
         self.outcome(service, outcome, &mut out)?;
         Ok(out.finish())
     }
 
-    fn read_inputs(&self, service: u32, from: &mut CdrReader<'_>) -> Bytes {
+    fn read_inputs(&self, service: ServiceId, from: &mut CdrReader<'_>) -> Bytes {
         let mut out = Vec::new();
         for param in self.params(service, is_input) {
             from.value(self.values, param.ty, &mut out)?;
@@ -132,7 +136,7 @@ impl<'s> Payloads<'s> {
     /// Writes outputs, which are zero after an exception, the name of the exception and its members.
     fn outcome(
         &self,
-        service: u32,
+        service: ServiceId,
         outcome: Outcome<'_>,
         to: &mut CdrWriter,
     ) -> Result<(), ValueError> {
@@ -170,10 +174,10 @@ impl<'s> Payloads<'s> {
 
     fn params(
         &self,
-        service: u32,
+        service: ServiceId,
         is_wanted: fn(&Param) -> bool,
     ) -> impl Iterator<Item = &'s Param> {
-        let service: Option<&'s Service> = self.component.services.get(service as usize);
+        let service: Option<&'s Service> = self.component.services.get(service);
         let params = service.map_or(&[][..], |service| service.params.as_slice());
         params.iter().filter(move |param| is_wanted(param))
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use dotgen_analysis::model::{Component, PortDir, Spec, TypeId, TypeKind};
+use dotgen_analysis::model::{Component, PortDir, PortId, Spec, TypeId, TypeKind};
 use dotgen_codegen::codels::cdr::{CdrReader, CdrWriter, Unions};
 use dotgen_codegen::codels::value::{Reader, ValueError, Values};
 use dotgen_syntax::suggestion::advice;
@@ -17,7 +17,7 @@ use crate::scalar::{Scalar, equal, fits};
 const DATA: usize = 64 << 20;
 
 /// Conversions by the index of the port.
-pub type Conversions = BTreeMap<u32, Conversion>;
+pub type Conversions = BTreeMap<PortId, Conversion>;
 
 /// The conversion between the data of a port and a common message, or between the elements of their lists.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -54,7 +54,7 @@ pub fn conversions(
     let (mut out, mut errors) = (Conversions::new(), Vec::new());
     for (name, rule) in rules.get(component.name.as_str()).into_iter().flatten() {
         let keys = vec![component.name.to_string(), name.clone()];
-        let mut ports = (0u32..).zip(&component.ports);
+        let mut ports = component.ports.iter_enumerated();
         let Some((index, port)) = ports.find(|(_, port)| port.name == name.as_str()) else {
             let names: Vec<&str> = component.ports.iter().map(|port| port.name.as_str()).collect();
             let component = &component.name;

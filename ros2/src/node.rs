@@ -1,7 +1,8 @@
 //! The endpoints of a component.
 
 use dotgen_analysis::model::{
-    Component, Param, Port, PortDir, Scope, ScopeKind, Service, ServiceKind, Spec, TypeKind,
+    Component, Param, Port, PortDir, PortId, Scope, ScopeKind, Service, ServiceId, ServiceKind,
+    Spec, TypeKind,
 };
 use dotgen_analysis::phrase::Phrase;
 use dotgen_codegen::codels::value::{is_input, is_output};
@@ -19,19 +20,19 @@ use crate::wire::{self, Kind, NodeId, Qos};
 /// The part of a component that an endpoint serves, as index of its ports or services.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Part {
-    Port(u32),
+    Port(PortId),
     /// A function or attribute.
-    Service(u32),
+    Service(ServiceId),
     /// An activity: its requests.
-    SendGoal(u32),
+    SendGoal(ServiceId),
     /// An activity: its replies.
-    GetResult(u32),
+    GetResult(ServiceId),
     /// An activity: its interruption.
-    CancelGoal(u32),
+    CancelGoal(ServiceId),
     /// An activity: its states.
-    Feedback(u32),
+    Feedback(ServiceId),
     /// An activity: the status of its goals.
-    Status(u32),
+    Status(ServiceId),
 }
 
 /// A publisher, subscription or service of a node.
@@ -134,7 +135,7 @@ pub(crate) fn offer(
     let package = package.map_err(|error| refusal(part(), error))?;
     let mut offer = Offer { mapping, spec, component, package, endpoints: Vec::new() };
     let mut refused = Vec::new();
-    for (index, port) in (0u32..).zip(&component.ports) {
+    for (index, port) in component.ports.iter_enumerated() {
         let masked = match conversions.remove(&index) {
             Some(conversion) => Ok(Some(conversion)),
             None => masquerade::conversion(spec, port),
@@ -150,7 +151,7 @@ pub(crate) fn offer(
             refused.push(refusal(part, error));
         }
     }
-    for (index, service) in (0u32..).zip(&component.services) {
+    for (index, service) in component.services.iter_enumerated() {
         if let Err(error) = offer.service(index, service) {
             let part = format!("service `{}.{}`", component.name, service.name);
             refused.push(refusal(part, error));
@@ -180,7 +181,7 @@ struct Offer<'a, 's> {
 impl Offer<'_, '_> {
     fn port(
         &mut self,
-        index: u32,
+        index: PortId,
         port: &Port,
         conversion: Option<&Conversion>,
     ) -> Result<(), Obstacle> {
@@ -210,7 +211,7 @@ impl Offer<'_, '_> {
         Ok(())
     }
 
-    fn service(&mut self, index: u32, service: &Service) -> Result<(), Obstacle> {
+    fn service(&mut self, index: ServiceId, service: &Service) -> Result<(), Obstacle> {
         let obstacle = |why| Obstacle { why, src: service.src };
         let topic = [self.component.name.as_str(), service.name.as_str()];
         let topic = names::topic(topic).map_err(obstacle)?;
@@ -270,12 +271,12 @@ impl Offer<'_, '_> {
     }
 
     /// The fields that say how a service ended.
-    fn exceptions(&mut self, service: u32, out: &mut Vec<Field>) -> Result<(), Obstacle> {
+    fn exceptions(&mut self, service: ServiceId, out: &mut Vec<Field>) -> Result<(), Obstacle> {
         if out.iter().any(|field| field.name == "exception") {
             return Err(Obstacle {
                 why: "an output becomes `exception`, a field of every response: rename it"
                     .to_owned(),
-                src: self.component.services[service as usize].src,
+                src: self.component.services[service].src,
             });
         }
         out.push(Field::new("exception", Base::String));

@@ -75,7 +75,7 @@ pub(crate) fn conversion(unit: &UnitResult, rules: &Rules) -> Conversion {
 
 /// The data of a port with a state.
 pub(crate) fn data(unit: &UnitResult, state: &Value) -> Vec<u8> {
-    let port = &unit.spec.components.raw[0].ports[0];
+    let port = &unit.spec.components.raw[0].ports.raw[0];
     Values::new(&unit.spec).encode(port.data, state).expect("a state")
 }
 

@@ -68,7 +68,7 @@ fn published_components_are_offered() {
                 let message = payloads.message(port.data, &zero).expect("a message");
                 assert_eq!(payloads.data(port.data, &message), Ok(zero), "{path} {}", port.name);
             }
-            for service in 0..component.services.len() as u32 {
+            for service in component.services.keys() {
                 let (exception, detail) = ("::other", &[][..]);
                 let failed = Outcome::Failed { exception, detail };
                 payloads.response(service, failed).expect("a response");

@@ -79,7 +79,7 @@ fn its_messages_have_the_values_of_its_members() {
         let unit = component(&format!("{head} {twist}"), pragma, PORT);
         let node = node(&unit);
         assert_eq!((node.refused.as_slice(), node.conversions.len()), (&[][..], 1));
-        let conversion = &node.conversions[&0];
+        let conversion = &node.conversions[&0.into()];
         let message = conversion.message(&unit.spec, &data(&unit, &value(has_stamp)), NOW);
         let mut expected = vec![0, 1, 0, 0];
         expected.extend(if has_stamp {
@@ -158,5 +158,5 @@ fn rules_win() {
     let node = endpoints(spec, component, 0, found).expect("it has a name");
     assert_eq!(node.refused, []);
     assert_eq!(node.endpoints[0].type_name, "geometry_msgs/msg/Point");
-    assert_eq!(node.endpoints[0].part, Part::Port(0));
+    assert_eq!(node.endpoints[0].part, Part::Port(0.into()));
 }

@@ -20,10 +20,10 @@ fn state() -> Value {
     })
 }
 
-fn service(spec: &dotgen_analysis::model::Spec, name: &str) -> u32 {
+fn service(spec: &dotgen_analysis::model::Spec, name: &str) -> dotgen_analysis::model::ServiceId {
     let services = &spec.components.raw[0].services;
-    let found = services.iter().position(|service| service.name == name);
-    found.expect("a service") as u32
+    let found = services.position(|service| service.name == name);
+    found.expect("a service")
 }
 
 /// The CDR after its header.
@@ -103,7 +103,7 @@ fn requests_and_responses_are_one_stream() {
     let id = [7; 16];
     let shape = json!({"_d": "AUTO", "mark": 3});
     let object = json!({"target": 2.5, "shape": shape});
-    let of = &component.services[fill as usize];
+    let of = &component.services[fill];
     let inputs = values.inputs(of, object.as_object().expect("it is one"));
     let inputs = inputs.expect("inputs");
     let mut request = CdrWriter::new(Unions::Branches);

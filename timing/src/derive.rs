@@ -399,11 +399,9 @@ impl<'v> Variation<'v> {
         }
         if all {
             for (c, member) in names.components.iter().enumerate() {
-                let periodic = member.component.tasks.iter().enumerate();
+                let periodic = member.component.tasks.iter_enumerated();
                 let periodic = periodic.filter(|(_, task)| task.period.is_some());
-                tasks.extend(
-                    periodic.map(|(index, _)| DeclaredTask { component: c, index: index as u32 }),
-                );
+                tasks.extend(periodic.map(|(index, _)| DeclaredTask { component: c, index }));
             }
         }
         if !errors.is_empty() {

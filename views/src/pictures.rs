@@ -249,11 +249,11 @@ fn components<'u>(
 
 /// The task or service of a name.
 fn find_owner(component: &Component, name: &str) -> Option<Owner> {
-    let tasks = component.tasks.iter().position(|task| task.name == name);
-    let services = || component.services.iter().position(|service| service.name == name);
+    let tasks = component.tasks.position(|task| task.name == name);
+    let services = || component.services.position(|service| service.name == name);
     match tasks {
-        Some(task) => Some(Owner::Task(task as u32)),
-        None => services().map(|service| Owner::Service(service as u32)),
+        Some(task) => Some(Owner::Task(task)),
+        None => services().map(Owner::Service),
     }
 }
 
@@ -344,7 +344,7 @@ fn excluded(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<String> 
         .map(|exclusion| {
             let name = match exclusion.with {
                 Excluded::Codel(codel) => &component.codel(codel).name,
-                Excluded::Service(service) => &component.services[service as usize].name,
+                Excluded::Service(service) => &component.services[service].name,
             };
             let mut through: Vec<String> = Vec::new();
             for one in &exclusion.through {

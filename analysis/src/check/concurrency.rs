@@ -46,7 +46,7 @@ fn report(component: &Component, codel: CodelRef, exclusion: &Exclusion, found: 
             (kind, role, codel.src, &codel.params)
         }
         Excluded::Service(other) => {
-            let service = &component.services[other as usize];
+            let service = &component.services[other];
             let role = Role::Attribute(service.name.clone());
             let kind = CodelProblem::SharedWithAttribute {
                 codel: codel_name,
@@ -75,7 +75,7 @@ fn runs_meanwhile(component: &Component, codel: CodelRef) -> bool {
     if component.kind == ComponentKind::Interface {
         return false;
     }
-    let machine = Machine::new(&component.tasks[task as usize].codels);
+    let machine = Machine::new(&component.tasks[task].codels);
     let reached = machine.reachable("start");
     let mut states = component.codel(codel).triggers.iter();
     states.any(|state| state.name != "start" && reached.contains(state.name.as_str()))

@@ -9,7 +9,7 @@ pub(super) fn check(component: &Component, found: &mut Vec<Finding>) {
     if component.kind != ComponentKind::Component {
         return;
     }
-    for (index, task) in (0..).zip(&component.tasks) {
+    for (index, task) in component.tasks.iter_enumerated() {
         let runs = !task.codels.is_empty()
             || component.services.iter().any(|service| service.task == Some(index));
         if !runs && task.imported_from.is_none() {

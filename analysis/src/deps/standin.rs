@@ -120,7 +120,7 @@ impl Trees<'_> {
             } => {
                 let service = gap.component.and_then(|component| {
                     let services = &spec.components[component].services;
-                    services.get(*service as usize)
+                    services.get(*service)
                 });
                 let params = service.and_then(|service| params(spec, service));
                 if let (Some(service), Some(params), Some(interface)) =

@@ -121,12 +121,12 @@ impl<'a> Elaborator<'a> {
         let state = &mut self.components[index];
         match owner {
             Owner::Task(i) => {
-                component.tasks[i as usize].codels.push(codel);
-                state.tasks[i as usize].codels.push(source);
+                component.tasks[i].codels.push(codel);
+                state.tasks[i].codels.push(source);
             }
             Owner::Service(i) => {
-                component.services[i as usize].codels.push(codel);
-                state.services[i as usize].codels.push(source);
+                component.services[i].codels.push(codel);
+                state.services[i].codels.push(source);
             }
         }
     }

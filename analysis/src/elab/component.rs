@@ -2,6 +2,7 @@
 
 use crate::finding::role::Role;
 use rustc_hash::{FxHashMap, FxHashSet};
+use typed_index_collections::TiVec;
 
 use super::{
     AccessKind, BodyEnd, DefId, DefKind, Entity,
@@ -119,10 +120,10 @@ impl<'a> Elaborator<'a> {
             uses: Vec::new(),
             extends: Vec::new(),
             throws: Vec::new(),
-            tasks: Vec::new(),
-            ports: Vec::new(),
-            services: Vec::new(),
-            remotes: Vec::new(),
+            tasks: TiVec::new(),
+            ports: TiVec::new(),
+            services: TiVec::new(),
+            remotes: TiVec::new(),
         });
         self.components.push(ComponentState {
             def,
@@ -130,10 +131,10 @@ impl<'a> Elaborator<'a> {
             pause,
             ids: None,
             given: FxHashMap::default(),
-            tasks: Vec::new(),
-            services: Vec::new(),
-            ports: Vec::new(),
-            remotes: Vec::new(),
+            tasks: TiVec::new(),
+            services: TiVec::new(),
+            ports: TiVec::new(),
+            remotes: TiVec::new(),
             task_by_name: FxHashMap::default(),
             service_by_name: FxHashMap::default(),
             port_by_name: FxHashMap::default(),
@@ -346,7 +347,7 @@ impl<'a> Elaborator<'a> {
         let state = &self.components[index];
         let taken = state.service_by_name.get(&port.name).copied();
         if let Some(service) = taken {
-            let place = self.spec.components[index].services[service as usize].src;
+            let place = self.spec.components[index].services[service].src;
 
             self.report(
                 Finding::new(NameProblem::Taken { name: port.name.clone(), what: "a service" }, at)
@@ -356,7 +357,7 @@ impl<'a> Elaborator<'a> {
             return false;
         }
         let scope = state.scope;
-        let number = self.spec.components[index].ports.len() as u32;
+        let number = self.spec.components[index].ports.next_key();
         let kind = TypeKind::Port { component: index, port: number };
         if let Some(clash) = self.scopes.clash(scope, &port.name, false) {
             self.report_clash(scope, &port.name, at, clash);

@@ -181,7 +181,7 @@ impl<'a> Elaborator<'a> {
             self.import_services(index, interface, at)
         };
         self.import_remotes(index, interface, at);
-        for task in 0..self.components[interface].tasks.len() {
+        for task in self.components[interface].tasks.keys() {
             let name = &self.spec.components[interface].tasks[task].name;
             let own = self.components[index].task_by_name.get(name);
             let Some(own) = own.copied() else { continue };
@@ -190,7 +190,7 @@ impl<'a> Elaborator<'a> {
             }
         }
         for (theirs, own) in services {
-            let codels = &self.components[interface].services[theirs as usize].codels;
+            let codels = &self.components[interface].services[theirs].codels;
             for codel in codels.clone() {
                 self.add_codel(index, Owner::Service(own), codel);
             }
@@ -338,7 +338,7 @@ impl<'a> Elaborator<'a> {
     }
 
     fn import_tasks(&mut self, index: ComponentId, interface: ComponentId, at: Src) {
-        for number in 0..self.components[interface].tasks.len() {
+        for number in self.components[interface].tasks.keys() {
             let task = self.spec.components[interface].tasks[number].clone();
             let def = self.components[interface].tasks[number].def;
             let known = self.components[index].task_by_name.get(&task.name);
@@ -347,8 +347,8 @@ impl<'a> Elaborator<'a> {
                 None => self.new_task(index, &task.name, task.src, def, Some(interface)),
             };
             let mut conflicts: Vec<&'static str> = Vec::new();
-            let to = &mut self.spec.components[index].tasks[own as usize];
-            let given = &mut self.components[index].tasks[own as usize].given;
+            let to = &mut self.spec.components[index].tasks[own];
+            let given = &mut self.components[index].tasks[own].given;
             let mut once = |word: &'static str, brought: bool| {
                 if brought && given.contains_key(word) {
                     conflicts.push(word);
@@ -397,7 +397,7 @@ impl<'a> Elaborator<'a> {
     }
 
     fn import_ports(&mut self, index: ComponentId, interface: ComponentId, uses: bool, at: Src) {
-        for number in 0..self.components[interface].ports.len() {
+        for number in self.components[interface].ports.keys() {
             let port = self.spec.components[interface].ports[number].clone();
             let def = self.components[interface].ports[number];
             let dir = match (uses, port.dir) {

@@ -5,7 +5,7 @@ use crate::{
     item_tree::{Name, ParamDecl, ParamSpec, Path, PathStep},
     model::{
         ComponentId, Gap, Missing, Name as Text, Param, ParamSource, PathElement, Scope, ScopeKind,
-        SourceKind, Src, TypeId, TypeKind,
+        ServiceId, SourceKind, Src, TypeId, TypeKind,
     },
     unit::is_standin,
 };
@@ -42,7 +42,7 @@ impl<'a> Elaborator<'a> {
     pub(super) fn opaque_param(
         &mut self,
         index: ComponentId,
-        service: Option<u32>,
+        service: Option<ServiceId>,
         decl: &ParamDecl,
     ) -> Option<Param> {
         let ParamSpec::Path { path, rename, source } = &decl.spec else {
@@ -94,7 +94,7 @@ impl<'a> Elaborator<'a> {
 
     /// Returns true if a component or service has an ids member, parameter, port or remote service of that
     /// name.
-    fn is_source(&self, index: ComponentId, service: Option<u32>, name: &Text) -> bool {
+    fn is_source(&self, index: ComponentId, service: Option<ServiceId>, name: &Text) -> bool {
         let state = &self.components[index];
         self.ids_member(index, name).is_some()
             || self.local_named(index, service, name).is_some()

@@ -9,7 +9,7 @@ use crate::{
     item_tree::{Name, ParamDecl, ParamSpec, PathStep},
     model::{
         CodelKind, ComponentId, Name as Text, Param, ParamDir, ParamSource, PathElement, PortDir,
-        SourceKind, Src, TypeId, TypeKind,
+        PortId, RemoteId, ServiceId, SourceKind, Src, TypeId, TypeKind,
     },
 };
 use smol_str::SmolStr;
@@ -39,8 +39,8 @@ enum Target {
     Ids(TypeId),
     /// A parameter or local variable of the service, by index.
     Local(u32),
-    Port(u32),
-    Remote(u32),
+    Port(PortId),
+    Remote(RemoteId),
 }
 
 impl Target {
@@ -78,7 +78,7 @@ impl<'a> Elaborator<'a> {
     pub(super) fn codel_param(
         &mut self,
         index: ComponentId,
-        service: Option<u32>,
+        service: Option<ServiceId>,
         decl: &'a ParamDecl,
         kind: CodelKind,
     ) -> Option<Param> {
@@ -150,10 +150,10 @@ impl<'a> Elaborator<'a> {
     pub(super) fn local_named(
         &self,
         index: ComponentId,
-        service: Option<u32>,
+        service: Option<ServiceId>,
         name: &str,
     ) -> Option<u32> {
-        let service = &self.spec.components[index].services[service? as usize];
+        let service = &self.spec.components[index].services[service?];
         let found = service.params.iter().position(|param| param.name == name)?;
         Some(found as u32)
     }
@@ -161,7 +161,7 @@ impl<'a> Elaborator<'a> {
     fn explicit_target(
         &mut self,
         index: ComponentId,
-        service: Option<u32>,
+        service: Option<ServiceId>,
         source: SourceKind,
         written: &PathParts<'a>,
     ) -> Option<Target> {
@@ -205,7 +205,7 @@ impl<'a> Elaborator<'a> {
     fn implicit_target(
         &mut self,
         index: ComponentId,
-        service: Option<u32>,
+        service: Option<ServiceId>,
         written: &PathParts<'a>,
     ) -> Option<Target> {
         let name = &written.first.text;
@@ -270,7 +270,7 @@ impl<'a> Elaborator<'a> {
     fn sources(
         &self,
         index: ComponentId,
-        service: Option<u32>,
+        service: Option<ServiceId>,
         only: Option<SourceKind>,
     ) -> Vec<Text> {
         let state = &self.components[index];
@@ -280,7 +280,7 @@ impl<'a> Elaborator<'a> {
             names.extend(self.scopes.get(scope).names.keys().cloned());
         }
         if let Some(service) = service.filter(|_| wanted(SourceKind::Local)) {
-            let service = &self.spec.components[index].services[service as usize];
+            let service = &self.spec.components[index].services[service];
             names.extend(service.params.iter().map(|param| param.name.clone()));
         }
         if wanted(SourceKind::Port) {
@@ -295,18 +295,18 @@ impl<'a> Elaborator<'a> {
     fn target_def(
         &self,
         index: ComponentId,
-        service: Option<u32>,
+        service: Option<ServiceId>,
         target: Target,
     ) -> Option<DefId> {
         let state = &self.components[index];
         match target {
             Target::Ids(member) => self.type_defs[member.0 as usize],
             Target::Local(local) => {
-                let service = state.services.get(service? as usize)?;
+                let service = state.services.get(service?)?;
                 service.params.get(local as usize).copied()
             }
-            Target::Port(port) => state.ports.get(port as usize).copied(),
-            Target::Remote(remote) => state.remotes.get(remote as usize).copied(),
+            Target::Port(port) => state.ports.get(port).copied(),
+            Target::Remote(remote) => state.remotes.get(remote).copied(),
         }
     }
 
@@ -378,13 +378,13 @@ impl<'a> Elaborator<'a> {
     fn local_param(
         &mut self,
         index: ComponentId,
-        service: u32,
+        service: ServiceId,
         local: u32,
         written: &PathParts<'a>,
         kind: CodelKind,
     ) -> Option<Param> {
         self.refer_target(index, Some(service), Target::Local(local), written);
-        let known = &self.spec.components[index].services[service as usize];
+        let known = &self.spec.components[index].services[service];
         let known = &known.params[local as usize];
         let (base, dir, place) = (known.ty, known.dir, known.src);
         let mut path = Vec::new();
@@ -415,11 +415,11 @@ impl<'a> Elaborator<'a> {
     fn port_param(
         &mut self,
         index: ComponentId,
-        port: u32,
+        port: PortId,
         written: &PathParts<'a>,
     ) -> Option<Param> {
         self.refer_target(index, None, Target::Port(port), written);
-        let known = &self.spec.components[index].ports[port as usize];
+        let known = &self.spec.components[index].ports[port];
         let (dir, data, place) = (known.dir, known.data, known.src);
         let name = &written.first.text;
         if !written.rest.is_empty() {
@@ -457,11 +457,11 @@ impl<'a> Elaborator<'a> {
     fn remote_param(
         &mut self,
         index: ComponentId,
-        remote: u32,
+        remote: RemoteId,
         written: &PathParts<'a>,
     ) -> Option<Param> {
         self.refer_target(index, None, Target::Remote(remote), written);
-        let ty = self.spec.components[index].remotes[remote as usize].ty;
+        let ty = self.spec.components[index].remotes[remote].ty;
         let name = &written.first.text;
         if !written.rest.is_empty() {
             self.error(written.at, CodelProblem::RemoteMember { name: name.clone() });
@@ -486,7 +486,7 @@ impl<'a> Elaborator<'a> {
     fn refer_target(
         &mut self,
         index: ComponentId,
-        service: Option<u32>,
+        service: Option<ServiceId>,
         target: Target,
         written: &PathParts<'a>,
     ) {

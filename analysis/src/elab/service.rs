@@ -20,7 +20,7 @@ use crate::{
     item_tree::{CodelDecl, Item, Name, Property, PropertyKind, ServiceDecl},
     model::{
         CodelKind, ComponentId, ComponentKind, Missing, Name as Text, Owner, OwnerBody, Service,
-        ServiceKind, ServiceList, Src,
+        ServiceId, ServiceKind, ServiceList, Src, TaskId,
     },
     release::Change,
 };
@@ -51,18 +51,17 @@ impl<'a> Elaborator<'a> {
         let params = self.service_params(index, decl);
         let known = self.components[index].service_by_name.get(&name.text).copied();
         let service = if let Some(service) = known {
-            let def = self.components[index].services[service as usize].def;
+            let def = self.components[index].services[service].def;
             self.refer_as(at, def, AccessKind::Declaration);
             if !self.check_kind(index, service, decl.kind, at) {
                 return;
             }
             self.merge_params(index, service, &params, at);
-            self.spec.components[index].services[service as usize].src = at;
+            self.spec.components[index].services[service].src = at;
             service
         } else {
             let service = self.new_service(index, decl, name);
-            let outer =
-                self.container.replace(self.components[index].services[service as usize].def);
+            let outer = self.container.replace(self.components[index].services[service].def);
             for NewParam { param, name_src } in params {
                 let node = param.src;
                 self.add_param(index, service, param, name_src, node, DefKind::Parameter);
@@ -72,7 +71,7 @@ impl<'a> Elaborator<'a> {
         };
         if decl.kind == ServiceKind::Attribute && known.is_none() {
             let (visit, scope) = (self.visit, self.scope);
-            let state = &mut self.components[index].services[service as usize];
+            let state = &mut self.components[index].services[service];
             state.paths =
                 decl.params.iter().map(|decl| PathSource { decl, visit, scope }).collect();
         }
@@ -82,7 +81,7 @@ impl<'a> Elaborator<'a> {
             owner: Owner::Service(service),
             node,
         });
-        let state = &mut self.components[index].services[service as usize];
+        let state = &mut self.components[index].services[service];
         state.locals_here.clear();
         let container = state.def;
         let outer = self.container.replace(container);
@@ -101,10 +100,10 @@ impl<'a> Elaborator<'a> {
         let state = &self.components[index];
         let component = &self.spec.components[index];
         let taken = if let Some(port) = state.port_by_name.get(name) {
-            Some(("a port", component.ports[*port as usize].src))
+            Some(("a port", component.ports[*port].src))
         } else {
             let remote = state.remote_by_name.get(name);
-            remote.map(|remote| ("a remote service", component.remotes[*remote as usize].src))
+            remote.map(|remote| ("a remote service", component.remotes[*remote].src))
         };
         let Some((what, place)) = taken else {
             return false;
@@ -122,11 +121,11 @@ impl<'a> Elaborator<'a> {
     pub(super) fn check_kind(
         &mut self,
         index: ComponentId,
-        service: u32,
+        service: ServiceId,
         kind: ServiceKind,
         at: Src,
     ) -> bool {
-        let known = &self.spec.components[index].services[service as usize];
+        let known = &self.spec.components[index].services[service];
         if known.kind == kind {
             return true;
         }
@@ -146,7 +145,7 @@ impl<'a> Elaborator<'a> {
         false
     }
 
-    fn new_service(&mut self, index: ComponentId, decl: &ServiceDecl, name: &Name) -> u32 {
+    fn new_service(&mut self, index: ComponentId, decl: &ServiceDecl, name: &Name) -> ServiceId {
         let at = self.src(name.ptr);
         let kind = match decl.kind {
             ServiceKind::Attribute => DefKind::Attribute,
@@ -168,9 +167,9 @@ impl<'a> Elaborator<'a> {
         src: Src,
         def: DefId,
         imported_from: Option<ComponentId>,
-    ) -> u32 {
+    ) -> ServiceId {
         let services = &mut self.spec.components[index].services;
-        let service = services.len() as u32;
+        let service = services.next_key();
         services.push(Service {
             name: name.clone(),
             src,
@@ -204,14 +203,14 @@ impl<'a> Elaborator<'a> {
     fn service_property(
         &mut self,
         index: ComponentId,
-        service: u32,
+        service: ServiceId,
         kind: ServiceKind,
         name: &'a Name,
         property: &'a Property,
     ) {
         let at = self.src(property.ptr);
         let word = keyword(&property.kind);
-        let (c, s) = (index, service as usize);
+        let (c, s) = (index, service);
         match &property.kind {
             PropertyKind::Doc(doc) => {
                 let mut docs = self.spec.components[c].services[s].doc.take();
@@ -280,7 +279,7 @@ impl<'a> Elaborator<'a> {
     fn order(
         &mut self,
         index: ComponentId,
-        service: u32,
+        service: ServiceId,
         name: &Name,
         list: &'a [Name],
         word: &'static str,
@@ -294,7 +293,7 @@ impl<'a> Elaborator<'a> {
                     self.error(*src, DeclarationProblem::ListsItself { name: text.clone(), word });
                 }
             }
-            self.components[index].services[service as usize].lists[which] = NameList { names };
+            self.components[index].services[service].lists[which] = NameList { names };
         }
     }
 
@@ -302,12 +301,12 @@ impl<'a> Elaborator<'a> {
     fn activity_task(
         &mut self,
         index: ComponentId,
-        service: u32,
+        service: ServiceId,
         task: &Name,
         word: &'static str,
         at: Src,
     ) {
-        let again = self.components[index].services[service as usize].given.contains_key(word);
+        let again = self.components[index].services[service].given.contains_key(word);
         if again && self.spec.release.has(Change::MergedProperties) {
             // The first one counts.
             self.task_named(index, task, at);
@@ -315,7 +314,7 @@ impl<'a> Elaborator<'a> {
         } else if self.once_in_service(index, service, word, at)
             && let Some(task) = self.task_named(index, task, at)
         {
-            self.spec.components[index].services[service as usize].task = Some(task);
+            self.spec.components[index].services[service].task = Some(task);
         }
     }
 
@@ -323,7 +322,7 @@ impl<'a> Elaborator<'a> {
     fn service_codel(
         &mut self,
         index: ComponentId,
-        service: u32,
+        service: ServiceId,
         kind: ServiceKind,
         name: &Name,
         codel: &'a CodelDecl,
@@ -376,19 +375,19 @@ impl<'a> Elaborator<'a> {
     fn once_in_service(
         &mut self,
         index: ComponentId,
-        service: u32,
+        service: ServiceId,
         word: &'static str,
         at: Src,
     ) -> bool {
-        let state = &mut self.components[index].services[service as usize];
+        let state = &mut self.components[index].services[service];
         let mut given = std::mem::take(&mut state.given);
         let first = self.once(&mut given, word, at);
-        self.components[index].services[service as usize].given = given;
+        self.components[index].services[service].given = given;
         first
     }
 
     /// The task that an activity names; a missing one is reported.
-    fn task_named(&mut self, index: ComponentId, task: &Name, at: Src) -> Option<u32> {
+    fn task_named(&mut self, index: ComponentId, task: &Name, at: Src) -> Option<TaskId> {
         let state = &self.components[index];
         let Some(&found) = state.task_by_name.get(&task.text) else {
             if self.is_excused(index, &task.text) {
@@ -402,7 +401,7 @@ impl<'a> Elaborator<'a> {
             self.unresolved(at, DeclarationProblem::UnknownTask { name: task.text.clone() }, near);
             return None;
         };
-        let def = state.tasks[found as usize].def;
+        let def = state.tasks[found].def;
         self.refer(self.src(task.ptr), def);
         Some(found)
     }
@@ -431,7 +430,7 @@ impl<'a> Elaborator<'a> {
     /// Resolves the lists of services, and checks that activities are complete.
     pub(super) fn close_services(&mut self, index: ComponentId) {
         let c = index;
-        for s in 0..self.spec.components[c].services.len() {
+        for s in self.spec.components[c].services.keys() {
             let lists = self.components[c].services[s].lists.clone();
             let mut resolved = lists.iter().map(|name_list| self.resolve_list(index, name_list));
             let (interrupts, before, after) = (resolved.next(), resolved.next(), resolved.next());
@@ -456,7 +455,7 @@ impl<'a> Elaborator<'a> {
             let state = &self.components[index];
             match state.service_by_name.get(name).copied() {
                 Some(service) => {
-                    let def = state.services[service as usize].def;
+                    let def = state.services[service].def;
                     if self.listed.insert(*at) {
                         self.refer(*at, def);
                     }
@@ -485,7 +484,7 @@ impl<'a> Elaborator<'a> {
         resolved
     }
 
-    fn check_activity(&mut self, index: ComponentId, service: usize) {
+    fn check_activity(&mut self, index: ComponentId, service: ServiceId) {
         let component = &self.spec.components[index];
         let activity = &component.services[service];
         if activity.kind != ServiceKind::Activity {

@@ -6,7 +6,7 @@ use crate::finding::role::Role;
 use crate::{
     finding::{Finding, services::DeclarationProblem},
     item_tree::{Declarator, ParamDecl, ParamSpec, PathStep, ServiceDecl, TypeRef},
-    model::{ComponentId, Param, ParamDir, ParamSource, Src, TypeId, TypeKind},
+    model::{ComponentId, Param, ParamDir, ParamSource, ServiceId, Src, TypeId, TypeKind},
     release::Change,
 };
 
@@ -127,13 +127,13 @@ impl<'a> Elaborator<'a> {
     pub(super) fn add_param(
         &mut self,
         index: ComponentId,
-        service: u32,
+        service: ServiceId,
         param: Param,
         name_src: Src,
         node: Src,
         kind: DefKind,
     ) {
-        let position = self.spec.components[index].services[service as usize].params.len() as u32;
+        let position = self.spec.components[index].services[service].params.len() as u32;
         let def = self.define(kind, &param.name, name_src, node, None);
         self.definitions[def.0 as usize].ty = Some(param.ty);
         self.set_entity(def, Entity::Param(index, service, position));
@@ -143,11 +143,11 @@ impl<'a> Elaborator<'a> {
     pub(super) fn push_param(
         &mut self,
         index: ComponentId,
-        service: u32,
+        service: ServiceId,
         param: Param,
         def: DefId,
     ) {
-        let (c, s) = (index, service as usize);
+        let (c, s) = (index, service);
         self.spec.components[c].services[s].params.push(param);
         self.components[c].services[s].params.push(def);
     }
@@ -156,11 +156,11 @@ impl<'a> Elaborator<'a> {
     pub(super) fn merge_params(
         &mut self,
         index: ComponentId,
-        service: u32,
+        service: ServiceId,
         params: &[NewParam],
         at: Src,
     ) {
-        let (c, s) = (index, service as usize);
+        let (c, s) = (index, service);
         for (position, new) in params.iter().enumerate() {
             let known = self.spec.components[c].services[s].params.get(position);
             let known = known.filter(|param| param.dir != ParamDir::Local);
@@ -179,12 +179,12 @@ impl<'a> Elaborator<'a> {
     pub(super) fn compare_params(
         &mut self,
         index: ComponentId,
-        service: u32,
+        service: ServiceId,
         params: &[&Param],
         at: Src,
         import: Option<Src>,
     ) {
-        let known = &self.spec.components[index].services[service as usize];
+        let known = &self.spec.components[index].services[service];
         let expected: Vec<&Param> =
             known.params.iter().filter(|param| param.dir != ParamDir::Local).collect();
         let mut problems: Vec<Finding> = Vec::new();
@@ -255,7 +255,7 @@ impl<'a> Elaborator<'a> {
     pub(super) fn locals(
         &mut self,
         index: ComponentId,
-        service: u32,
+        service: ServiceId,
         ty: &'a TypeRef,
         declarators: &'a [Declarator],
     ) {
@@ -275,7 +275,7 @@ impl<'a> Elaborator<'a> {
                 path: Vec::new(),
                 init: None,
             };
-            let here = &mut self.components[index].services[service as usize].locals_here;
+            let here = &mut self.components[index].services[service].locals_here;
             let again = here.contains(name);
             here.push(name.clone());
             self.add_local(index, service, local, src, again);
@@ -284,9 +284,16 @@ impl<'a> Elaborator<'a> {
 
     /// Adds a local variable of the service. `again`: the same declaration of the service already has a
     /// variable of its name.
-    fn add_local(&mut self, index: ComponentId, service: u32, local: Param, src: Src, again: bool) {
-        let state = &self.components[index].services[service as usize];
-        let known = &self.spec.components[index].services[service as usize];
+    fn add_local(
+        &mut self,
+        index: ComponentId,
+        service: ServiceId,
+        local: Param,
+        src: Src,
+        again: bool,
+    ) {
+        let state = &self.components[index].services[service];
+        let known = &self.spec.components[index].services[service];
         let position = known.params.iter().position(|param| param.name == local.name);
         let Some(position) = position else {
             self.add_param(index, service, local, src, src, DefKind::Local);

@@ -3,11 +3,15 @@
 
 use dotgen_syntax::SyntaxKind;
 use rustc_hash::{FxHashMap, FxHashSet};
+use typed_index_collections::TiVec;
 
 use super::{DefId, scope::ScopeId};
 use crate::{
     item_tree::{CodelDecl, ParamDecl},
-    model::{CodelKind, ComponentId, Name as Text, ParamDir, Seconds, Src, TypeId},
+    model::{
+        CodelKind, ComponentId, Name as Text, ParamDir, PortId, RemoteId, Seconds, ServiceId, Src,
+        TaskId, TypeId,
+    },
     release::{Change, Release},
 };
 
@@ -23,17 +27,17 @@ pub(super) struct ComponentState<'a> {
     /// Properties that do not merge, with the place where they were given.
     pub(super) given: FxHashMap<&'static str, Src>,
     /// Parallel to `Component::tasks`.
-    pub(super) tasks: Vec<TaskState<'a>>,
+    pub(super) tasks: TiVec<TaskId, TaskState<'a>>,
     /// Parallel to `Component::services`.
-    pub(super) services: Vec<ServiceState<'a>>,
+    pub(super) services: TiVec<ServiceId, ServiceState<'a>>,
     /// Parallel to `Component::ports`.
-    pub(super) ports: Vec<DefId>,
+    pub(super) ports: TiVec<PortId, DefId>,
     /// Parallel to `Component::remotes`.
-    pub(super) remotes: Vec<DefId>,
-    pub(super) task_by_name: FxHashMap<Text, u32>,
-    pub(super) service_by_name: FxHashMap<Text, u32>,
-    pub(super) port_by_name: FxHashMap<Text, u32>,
-    pub(super) remote_by_name: FxHashMap<Text, u32>,
+    pub(super) remotes: TiVec<RemoteId, DefId>,
+    pub(super) task_by_name: FxHashMap<Text, TaskId>,
+    pub(super) service_by_name: FxHashMap<Text, ServiceId>,
+    pub(super) port_by_name: FxHashMap<Text, PortId>,
+    pub(super) remote_by_name: FxHashMap<Text, RemoteId>,
     /// Names of ports, services and remotes that were refused: their uses are not reported again.
     pub(super) lost: FxHashSet<Text>,
     /// True if an interface could not be imported, so that any name may be missing.

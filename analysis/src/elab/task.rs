@@ -13,7 +13,7 @@ use super::{
 use crate::{
     finding::{Finding, services::DeclarationProblem, values::ValueProblem},
     item_tree::{CodelDecl, Item, Name, PropertyKind, Ptr},
-    model::{CodelKind, ComponentId, Name as Text, Owner, OwnerBody, Src, Task},
+    model::{CodelKind, ComponentId, Name as Text, Owner, OwnerBody, Src, Task, TaskId},
     release::Change,
 };
 
@@ -28,10 +28,10 @@ impl<'a> Elaborator<'a> {
         let at = self.src(name.ptr);
         let known = self.components[index].task_by_name.get(&name.text);
         let task = if let Some(task) = known.copied() {
-            let def = self.components[index].tasks[task as usize].def;
+            let def = self.components[index].tasks[task].def;
             self.refer_as(at, def, AccessKind::Declaration);
             if self.spec.release.has(Change::ReopenedTaskPlaces) {
-                self.spec.components[index].tasks[task as usize].src = at;
+                self.spec.components[index].tasks[task].src = at;
             }
             task
         } else {
@@ -43,7 +43,7 @@ impl<'a> Elaborator<'a> {
         };
         let node = self.src(ptr);
         self.spec.owner_bodies.push(OwnerBody { component: index, owner: Owner::Task(task), node });
-        let container = self.components[index].tasks[task as usize].def;
+        let container = self.components[index].tasks[task].def;
         let outer = self.container.replace(container);
         self.for_each(properties, |this, item| {
             this.task_property(index, task, name, item);
@@ -59,9 +59,9 @@ impl<'a> Elaborator<'a> {
         src: Src,
         def: DefId,
         imported_from: Option<ComponentId>,
-    ) -> u32 {
+    ) -> TaskId {
         let tasks = &mut self.spec.components[index].tasks;
-        let task = tasks.len() as u32;
+        let task = tasks.next_key();
         tasks.push(Task {
             name: name.clone(),
             src,
@@ -86,7 +86,7 @@ impl<'a> Elaborator<'a> {
         task
     }
 
-    fn task_property(&mut self, index: ComponentId, task: u32, name: &'a Name, item: &'a Item) {
+    fn task_property(&mut self, index: ComponentId, task: TaskId, name: &'a Name, item: &'a Item) {
         let property = match item {
             Item::Property(property) => property,
             Item::Pragma(pragma) => return self.pragma(pragma),
@@ -94,7 +94,7 @@ impl<'a> Elaborator<'a> {
         };
         let at = self.src(property.ptr);
         let word = keyword(&property.kind);
-        let (c, t) = (index, task as usize);
+        let (c, t) = (index, task);
         match &property.kind {
             PropertyKind::Doc(doc) => {
                 let mut docs = self.spec.components[c].tasks[t].doc.take();
@@ -152,8 +152,14 @@ impl<'a> Elaborator<'a> {
     }
 
     /// Reports a codel without states, which a task cannot have.
-    fn stateless_codel(&mut self, index: ComponentId, task: u32, name: &Name, decl: &'a CodelDecl) {
-        self.components[index].tasks[task as usize].incomplete = true;
+    fn stateless_codel(
+        &mut self,
+        index: ComponentId,
+        task: TaskId,
+        name: &Name,
+        decl: &'a CodelDecl,
+    ) {
+        self.components[index].tasks[task].incomplete = true;
         let compiler_at = self.src(name.ptr);
         let (at, codel) = match &decl.name {
             Some(name) => (self.src(name.ptr), name.text.clone()),
@@ -168,22 +174,22 @@ impl<'a> Elaborator<'a> {
     pub(super) fn once_in_task(
         &mut self,
         index: ComponentId,
-        task: u32,
+        task: TaskId,
         word: &'static str,
         at: Src,
     ) -> bool {
-        let state = &mut self.components[index].tasks[task as usize];
+        let state = &mut self.components[index].tasks[task];
         let mut given = std::mem::take(&mut state.given);
         let first = self.once(&mut given, word, at);
-        self.components[index].tasks[task as usize].given = given;
+        self.components[index].tasks[task].given = given;
         first
     }
 
     /// A delay needs a period, and must be shorter.
-    pub(super) fn check_delay(&mut self, index: ComponentId, task: u32) {
-        let given = &self.components[index].tasks[task as usize].given;
+    pub(super) fn check_delay(&mut self, index: ComponentId, task: TaskId) {
+        let given = &self.components[index].tasks[task].given;
         let period_given = given.contains_key("period");
-        let task = &self.spec.components[index].tasks[task as usize];
+        let task = &self.spec.components[index].tasks[task];
         let Some(delay) = &task.delay else { return };
         let at = delay.src;
         match &task.period {

@@ -11,7 +11,7 @@ use smol_str::SmolStr;
 use super::{FileView, SymbolKind, resolve::targets_at};
 use crate::{
     elab::DefKind,
-    model::{Codel, Component, Owner, Src},
+    model::{Codel, Component, Owner, ServiceId, Src},
     source_map::bytes,
 };
 
@@ -89,7 +89,7 @@ pub(crate) fn prepare(view: &FileView<'_>, at: usize) -> Option<Vec<CallItem>> {
                 }
             }
             if let DefKind::Attribute | DefKind::Function | DefKind::Activity = definition.kind {
-                let own = (0..).zip(&component.services);
+                let own = component.services.iter_enumerated();
                 let found = own.filter(|(_, service)| service.name == definition.name);
                 let of_it = definition.container.is_some_and(|container| {
                     let container = &elaborated.definition(container).name;
@@ -157,23 +157,22 @@ fn calls(view: &FileView<'_>, key: &CallKey, incoming: bool) -> Vec<Call> {
         let Owner::Service(own) = owner else {
             return out;
         };
-        for (index, service) in (0..).zip(&component.services) {
+        for index in component.services.keys() {
             let (from, to) = if incoming { (index, own) } else { (own, index) };
-            let list = &component.services[from as usize].interrupts;
+            let list = &component.services[from].interrupts;
             if list.all || list.services.contains(&to) {
-                let mention = mention(view, component, from, &component.services[to as usize].name);
+                let mention = mention(view, component, from, &component.services[to].name);
                 add(item(view, component, Owner::Service(index), None), mention);
             }
-            _ = service;
         }
     }
     out
 }
 
 /// The place in the `interrupts` of a service that names another one.
-fn mention(view: &FileView<'_>, component: &Component, from: u32, to: &str) -> Option<Src> {
+fn mention(view: &FileView<'_>, component: &Component, from: ServiceId, to: &str) -> Option<Src> {
     let elaborated = view.elaborated();
-    let from = &component.services[from as usize];
+    let from = &component.services[from];
     let node = elaborated.definitions.iter().find(|definition| definition.src == from.src)?.node;
     let (file, range) = view.place(node)?;
     let mut inside = elaborated.references.iter().filter(|reference| {
@@ -200,11 +199,11 @@ fn item(
 ) -> Option<CallItem> {
     let (name, task, src, kind) = match owner {
         Owner::Task(i) => {
-            let task = &component.tasks[i as usize];
+            let task = &component.tasks[i];
             (&task.name, true, task.src, SymbolKind::Task)
         }
         Owner::Service(i) => {
-            let service = &component.services[i as usize];
+            let service = &component.services[i];
             (&service.name, false, service.src, SymbolKind::from(service.kind))
         }
     };

@@ -120,7 +120,7 @@ pub(super) fn value_type(spec: &Spec, id: TypeId) -> Option<TypeId> {
         TypeKind::Enumerator { enumeration, .. } => *enumeration,
         TypeKind::Port { component, port } => {
             let component = spec.components.get(*component)?;
-            component.ports.get(*port as usize)?.data
+            component.ports.get(*port)?.data
         }
         TypeKind::ForwardStruct { definition } | TypeKind::ForwardUnion { definition } => {
             (*definition)?

@@ -237,11 +237,11 @@ fn doc(elaborated: &Elaborated, definition: &Definition) -> Option<String> {
     let of = |c: ComponentId| -> Option<&Component> { components.get(c) };
     let doc = match definition.entity? {
         Entity::Component(c) => of(c)?.doc.clone(),
-        Entity::Task(c, i) => of(c)?.tasks.get(i as usize)?.doc.clone(),
-        Entity::Port(c, i) => of(c)?.ports.get(i as usize)?.doc.clone(),
-        Entity::Service(c, i) => of(c)?.services.get(i as usize)?.doc.clone(),
+        Entity::Task(c, i) => of(c)?.tasks.get(i)?.doc.clone(),
+        Entity::Port(c, i) => of(c)?.ports.get(i)?.doc.clone(),
+        Entity::Service(c, i) => of(c)?.services.get(i)?.doc.clone(),
         Entity::Param(c, i, p) => {
-            let service = of(c)?.services.get(i as usize)?;
+            let service = of(c)?.services.get(i)?;
             service.params.get(p as usize)?.init.as_ref()?.doc.clone()
         }
     };

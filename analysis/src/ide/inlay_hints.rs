@@ -298,7 +298,7 @@ impl Hints<'_, '_> {
     }
 
     fn utilisation(&mut self, component: &Component) {
-        for (index, task) in (0..).zip(&component.tasks) {
+        for (index, task) in component.tasks.iter_enumerated() {
             let Some(share) = component
                 .utilisation(index)
                 .filter(|utilisation| *utilisation > Seconds::from_integer(0))

@@ -2,7 +2,8 @@
 
 use crate::finding::role::Role;
 use crate::model::{
-    CodelKind, CodelRef, Name, Owner, ParamSource, PathElement, PortDir, ServiceKind, Src, TypeKind,
+    CodelKind, CodelRef, Name, Owner, ParamSource, PathElement, PortDir, PortId, ServiceId,
+    ServiceKind, Src, TaskId, TypeKind,
 };
 
 use super::Lint;
@@ -22,13 +23,13 @@ struct DataAccess {
 #[derive(Clone, PartialEq, Eq)]
 enum AccessedData {
     Ids(Option<String>),
-    Port(u32),
+    Port(PortId),
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Accessor {
     Codel(CodelRef),
-    Attribute(u32),
+    Attribute(ServiceId),
 }
 
 pub(super) fn check(lint: &mut Lint) {
@@ -56,7 +57,7 @@ fn uses(lint: &Lint) -> Vec<DataAccess> {
             out.push(DataAccess { what, reads, writes, at: param.src, by: Accessor::Codel(codel) });
         }
     }
-    for (i, service) in component.services.iter().enumerate() {
+    for (i, service) in component.services.iter_enumerated() {
         if service.kind == ServiceKind::Attribute {
             for param in &service.params {
                 // Relative to the ids: an `in` attribute sets, an `out` attribute gets.
@@ -67,7 +68,7 @@ fn uses(lint: &Lint) -> Vec<DataAccess> {
                     reads,
                     writes,
                     at: param.src,
-                    by: Accessor::Attribute(i as u32),
+                    by: Accessor::Attribute(i),
                 });
             }
         }
@@ -83,9 +84,9 @@ fn member(path: &[PathElement]) -> Option<String> {
 }
 
 fn ports(lint: &mut Lint, uses: &[DataAccess]) {
-    for (index, port) in lint.component.ports.iter().enumerate() {
+    for (index, port) in lint.component.ports.iter_enumerated() {
         let of_port: Vec<&DataAccess> =
-            uses.iter().filter(|u| u.what == AccessedData::Port(index as u32)).collect();
+            uses.iter().filter(|u| u.what == AccessedData::Port(index)).collect();
         let name = &port.name;
         if port.dir == PortDir::In {
             if !of_port.iter().any(|u| u.reads) {
@@ -98,7 +99,7 @@ fn ports(lint: &mut Lint, uses: &[DataAccess]) {
             lint.report(port.src, LintWarning::PortNeverWritten { name: name.clone() });
             continue;
         }
-        let mut tasks: Vec<u32> = writers
+        let mut tasks: Vec<TaskId> = writers
             .iter()
             .filter_map(|u| match u.by {
                 Accessor::Codel(codel) => lint.component.task_of(codel),
@@ -113,7 +114,7 @@ fn ports(lint: &mut Lint, uses: &[DataAccess]) {
                 .iter()
                 .filter(|u| !matches!(u.by, Accessor::Codel(codel) if only_starts_or_stops(lint, codel)))
                 .collect();
-            let mut racing: Vec<u32> = steady
+            let mut racing: Vec<TaskId> = steady
                 .iter()
                 .filter_map(|u| {
                     if let Accessor::Codel(codel) = u.by {
@@ -129,7 +130,7 @@ fn ports(lint: &mut Lint, uses: &[DataAccess]) {
                 continue;
             }
             let names: Vec<Name> =
-                racing.iter().map(|&t| lint.component.tasks[t as usize].name.clone()).collect();
+                racing.iter().map(|&t| lint.component.tasks[t].name.clone()).collect();
             let related: Vec<(Src, Role)> = steady
                 .iter()
                 .filter_map(|u| match u.by {

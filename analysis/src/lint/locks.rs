@@ -6,7 +6,7 @@ use crate::finding::{
     lints::{LintWarning, Time},
 };
 use crate::model::mutex::{self, Excluded, SharedParameters};
-use crate::model::{CodelRef, Owner};
+use crate::model::{CodelRef, Owner, TaskId};
 use crate::phrase::Phrase;
 
 use super::Lint;
@@ -24,7 +24,7 @@ fn long_hold(lint: &mut Lint, codel: CodelRef, exclusions: &[mutex::Exclusion]) 
     let Some(wcet) = lint.codel(codel).wcet.as_ref().map(|q| (q.value, q.src)) else {
         return;
     };
-    let mut seen: Vec<u32> = Vec::new();
+    let mut seen: Vec<TaskId> = Vec::new();
     for exclusion in exclusions {
         let Excluded::Codel(other) = exclusion.with else {
             continue;
@@ -36,14 +36,14 @@ fn long_hold(lint: &mut Lint, codel: CodelRef, exclusions: &[mutex::Exclusion]) 
             continue;
         }
         let component = lint.component;
-        let Some(period) = component.tasks[task as usize].period.as_ref() else {
+        let Some(period) = component.tasks[task].period.as_ref() else {
             continue;
         };
         if wcet.0 <= period.value {
             continue;
         }
         seen.push(task);
-        let name = &component.tasks[task as usize].name;
+        let name = &component.tasks[task].name;
         let through = describe(lint, &exclusion.through);
         let found = lint.report(
             wcet.1,
@@ -84,7 +84,7 @@ fn self_blocking(lint: &mut Lint, codel: CodelRef) {
             continue;
         }
         let through = describe(lint, &through);
-        let task_name = lint.component.tasks[task as usize].name.clone();
+        let task_name = lint.component.tasks[task].name.clone();
         let at = lint.codel(codel).src;
         let found = lint.report(
             at,

@@ -1,14 +1,16 @@
 //! Rules about services.
 
+use typed_index_collections::{TiVec, ti_vec};
+
 use crate::finding::role::Role;
-use crate::model::{CodelKind, ParamDir, ParamSource, ServiceKind, Src};
+use crate::model::{CodelKind, ParamDir, ParamSource, ServiceId, ServiceKind, Src};
 
 use super::Lint;
 use super::timing::control_task_time;
 use crate::finding::lints::{CyclePath, LintWarning, Time};
 
 pub(super) fn check(lint: &mut Lint) {
-    for index in 0..lint.component.services.len() as u32 {
+    for index in lint.component.services.keys() {
         interrupts_nothing(lint, index);
         blind_validate(lint, index);
         long_function(lint, index);
@@ -17,8 +19,8 @@ pub(super) fn check(lint: &mut Lint) {
 }
 
 /// `service/concurrent-instances`: an activity that may run twice at the same time and changes data.
-fn interrupts_nothing(lint: &mut Lint, index: u32) {
-    let service = &lint.component.services[index as usize];
+fn interrupts_nothing(lint: &mut Lint, index: ServiceId) {
+    let service = &lint.component.services[index];
     let list = &service.interrupts;
     if service.kind != ServiceKind::Activity || list.all || list.services.contains(&index) {
         return;
@@ -40,16 +42,14 @@ fn interrupts_nothing(lint: &mut Lint, index: u32) {
 }
 
 /// `service/blind-validate`: a validate codel of a setter that does not get the value to set.
-fn blind_validate(lint: &mut Lint, index: u32) {
-    let service = &lint.component.services[index as usize];
+fn blind_validate(lint: &mut Lint, index: ServiceId) {
+    let service = &lint.component.services[index];
     let sets = service.params.iter().any(|p| matches!(p.dir, ParamDir::In | ParamDir::Inout));
     if service.kind != ServiceKind::Attribute || !sets {
         return;
     }
     let component = lint.component;
-    for codel in
-        component.services[index as usize].codels.iter().filter(|c| c.kind == CodelKind::Validate)
-    {
+    for codel in component.services[index].codels.iter().filter(|c| c.kind == CodelKind::Validate) {
         if codel.params.is_empty()
             || codel.params.iter().any(|p| matches!(p.source, ParamSource::Local(_)))
         {
@@ -69,13 +69,13 @@ fn blind_validate(lint: &mut Lint, index: u32) {
 }
 
 /// `service/long-function`: the control task delays every other request while it executes a function.
-fn long_function(lint: &mut Lint, index: u32) {
+fn long_function(lint: &mut Lint, index: ServiceId) {
     let Some(time) =
         control_task_time(lint, index).filter(|t| *t > lint.config.control_task_budget)
     else {
         return;
     };
-    let service = &lint.component.services[index as usize];
+    let service = &lint.component.services[index];
     let budget = lint.config.control_task_budget;
     lint.report(
         service.src,
@@ -90,21 +90,21 @@ fn long_function(lint: &mut Lint, index: u32) {
 /// `service/order-cycle`: `before` and `after` that no order can satisfy.
 fn order_cycles(lint: &mut Lint) {
     let services = &lint.component.services;
-    let count = services.len();
     // Edge: the first must come before the second.
-    let mut next: Vec<Vec<usize>> = vec![Vec::new(); count];
-    for (i, service) in services.iter().enumerate() {
+    let mut next: TiVec<ServiceId, Vec<ServiceId>> = ti_vec![Vec::new(); services.len()];
+    for (i, service) in services.iter_enumerated() {
         for &later in &service.before.services {
-            next[i].push(later as usize);
+            next[i].push(later);
         }
         for &earlier in &service.after.services {
-            next[earlier as usize].push(i);
+            next[earlier].push(i);
         }
     }
-    let mut reported = vec![false; count];
-    for start in 0..count {
+    let none: TiVec<ServiceId, bool> = ti_vec![false; services.len()];
+    let mut reported = none.clone();
+    for start in services.keys() {
         let mut path = Vec::new();
-        if reported[start] || !find_cycle(&next, start, start, &mut vec![false; count], &mut path) {
+        if reported[start] || !find_cycle(&next, start, start, &mut none.clone(), &mut path) {
             continue;
         }
         for &i in &path {
@@ -122,11 +122,11 @@ fn order_cycles(lint: &mut Lint) {
 
 /// A path from `at` back to `goal`, its vertices in `path`.
 fn find_cycle(
-    next: &[Vec<usize>],
-    at: usize,
-    goal: usize,
-    seen: &mut Vec<bool>,
-    path: &mut Vec<usize>,
+    next: &TiVec<ServiceId, Vec<ServiceId>>,
+    at: ServiceId,
+    goal: ServiceId,
+    seen: &mut TiVec<ServiceId, bool>,
+    path: &mut Vec<ServiceId>,
 ) -> bool {
     path.push(at);
     for &to in &next[at] {

@@ -1,12 +1,16 @@
 //! Rules about state machines that are legal but suspicious.
 
+use typed_index_collections::{TiVec, ti_vec};
+
 use crate::finding::role::Role;
 use crate::finding::{
     Severity,
     lints::{CyclePath, LintWarning, Names},
 };
 use crate::model::fsm::Machine;
-use crate::model::{Component, Name, Owner, ParamDir, ParamSource, ServiceKind, Src, State};
+use crate::model::{
+    Component, Name, Owner, ParamDir, ParamSource, ServiceId, ServiceKind, Src, State,
+};
 
 use super::Lint;
 
@@ -19,7 +23,7 @@ pub(super) fn check(lint: &mut Lint) {
             dead_ends(lint, &machine);
         }
         if let Owner::Service(index) = owner
-            && let Some(by) = interrupters[index as usize]
+            && let Some(by) = interrupters[index]
         {
             missing_stop(lint, index, by);
         }
@@ -75,8 +79,8 @@ fn loops(lint: &mut Lint, owner: Owner, machine: &Machine) {
     let cycles = machine.cycles_without_pause();
     let ends = machine.reachable("start").contains("ether");
     let throws = match owner {
-        Owner::Task(i) => !lint.component.tasks[i as usize].throws.is_empty(),
-        Owner::Service(i) => !lint.component.services[i as usize].throws.is_empty(),
+        Owner::Task(i) => !lint.component.tasks[i].throws.is_empty(),
+        Owner::Service(i) => !lint.component.services[i].throws.is_empty(),
     } || !lint.component.throws.is_empty();
     let is_activity = matches!(owner, Owner::Service(_));
     let periodic = lint.period_of(owner).is_some();
@@ -166,13 +170,13 @@ fn dead_ends(lint: &mut Lint, machine: &Machine) {
 }
 
 /// For each service, the first one that interrupts it.
-fn interrupters(component: &Component) -> Vec<Option<u32>> {
+fn interrupters(component: &Component) -> TiVec<ServiceId, Option<ServiceId>> {
     let services = &component.services;
-    let of_all = (0..).zip(services).find(|pair| pair.1.interrupts.all);
-    let mut first = vec![of_all.map(|pair| pair.0); services.len()];
-    for (by, service) in (0..).zip(services) {
+    let of_all = services.iter_enumerated().find(|pair| pair.1.interrupts.all);
+    let mut first = ti_vec![of_all.map(|pair| pair.0); services.len()];
+    for (by, service) in services.iter_enumerated() {
         for &service in &service.interrupts.services {
-            if let Some(first) = first.get_mut(service as usize) {
+            if let Some(first) = first.get_mut(service) {
                 *first = Some(first.map_or(by, |number| number.min(by)));
             }
         }
@@ -181,15 +185,15 @@ fn interrupters(component: &Component) -> Vec<Option<u32>> {
 }
 
 /// `fsm/missing-stop`: an activity that others interrupt and that changes data.
-fn missing_stop(lint: &mut Lint, index: u32, by: u32) {
+fn missing_stop(lint: &mut Lint, index: ServiceId, by: ServiceId) {
     let component = lint.component;
-    let service = &component.services[index as usize];
+    let service = &component.services[index];
     if service.kind != ServiceKind::Activity
         || service.codels.iter().flat_map(|c| &c.triggers).any(|s| s.name == "stop")
     {
         return;
     }
-    let interrupter = &component.services[by as usize];
+    let interrupter = &component.services[by];
     // One codel that ends at once leaves no partial change.
     let steps = service.codels.iter().filter(|c| !c.triggers.is_empty()).count();
     let pauses = service.codels.iter().flat_map(|c| &c.yields).any(|s| s.paused);

@@ -5,7 +5,7 @@ use num_rational::Ratio;
 
 use crate::model::fsm::Machine;
 use crate::model::turn::Turn;
-use crate::model::{CodelKind, Owner, Seconds, ServiceKind, Src};
+use crate::model::{CodelKind, Owner, Seconds, ServiceId, ServiceKind, Src};
 
 use super::Lint;
 use crate::finding::lints::{Chain, LintWarning, Share, Time};
@@ -40,7 +40,7 @@ fn wcet_exceeds_period(lint: &mut Lint, owner: Owner) {
         return;
     };
     let machine = Machine::new(lint.component.codels_of(owner));
-    let task = lint.task_of(owner).map(|t| &lint.component.tasks[t as usize]);
+    let task = lint.task_of(owner).map(|t| &lint.component.tasks[t]);
     let Some(task) = task else { return };
     let period_src = task.period.as_ref().map_or(task.src, |p| p.src);
     let mut reported: Vec<usize> = Vec::new();
@@ -99,11 +99,11 @@ fn wcet_exceeds_period(lint: &mut Lint, owner: Owner) {
 
 /// `timing/no-period`: execution times in a task without period, which bound nothing.
 fn no_period(lint: &mut Lint) {
-    for (index, task) in lint.component.tasks.iter().enumerate() {
+    for (index, task) in lint.component.tasks.iter_enumerated() {
         if task.period.is_some() {
             continue;
         }
-        let runs_here = |s: &&crate::model::Service| s.task == Some(index as u32);
+        let runs_here = |s: &&crate::model::Service| s.task == Some(index);
         let timed = task.codels.iter().any(|c| c.wcet.is_some())
             || lint
                 .component
@@ -126,8 +126,8 @@ fn overutilised(lint: &mut Lint) {
     };
     let mut total = Ratio::from_integer(0);
     let mut parts: Vec<(Src, Role)> = Vec::new();
-    for (index, task) in lint.component.tasks.iter().enumerate() {
-        let Some(share) = lint.component.utilisation(index as u32) else {
+    for (index, task) in lint.component.tasks.iter_enumerated() {
+        let Some(share) = lint.component.utilisation(index) else {
             continue;
         };
         total += share;
@@ -172,8 +172,8 @@ fn suspicious_units(lint: &mut Lint) {
 }
 
 /// Sum of the execution times of the codels that the control task runs for a service, in seconds.
-pub(super) fn control_task_time(lint: &Lint, service: u32) -> Option<Seconds> {
-    let service = &lint.component.services[service as usize];
+pub(super) fn control_task_time(lint: &Lint, service: ServiceId) -> Option<Seconds> {
+    let service = &lint.component.services[service];
     if service.kind == ServiceKind::Activity {
         return None;
     }

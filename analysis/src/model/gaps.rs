@@ -8,7 +8,8 @@ use rustc_hash::FxHashSet;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Codel, ComponentId, Name, Owner, ParamDir, ParamSource, PathElement, Spec, TypeId, TypeKind,
+    Codel, ComponentId, Name, Owner, ParamDir, ParamSource, PathElement, ServiceId, Spec, TypeId,
+    TypeKind,
 };
 
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -60,7 +61,7 @@ pub enum Missing {
         /// The access of the codel.
         dir: ParamDir,
         /// The service whose codel it is, by index.
-        service: Option<u32>,
+        service: Option<ServiceId>,
     },
     /// A task that an activity names, which an unknown interface may declare.
     Task { name: Name },
@@ -142,7 +143,7 @@ impl Spec {
             Missing::Exception { owner: Some(of), .. } => {
                 let task = match owner {
                     Owner::Service(service) => {
-                        self.components[component].services[service as usize].task.map(Owner::Task)
+                        self.components[component].services[service].task.map(Owner::Task)
                     }
                     Owner::Task(_) => None,
                 };

@@ -24,10 +24,24 @@ macro_rules! ids {
                 id.0 as usize
             }
         }
+
+        impl std::fmt::Display for $name {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                self.0.fmt(f)
+            }
+        }
     )*};
 }
 
 ids! {
     /// A component or interface: an index into [`Spec::components`](super::Spec::components).
     ComponentId
+    /// A port: an index into [`Component::ports`](super::Component::ports).
+    PortId
+    /// A remote service: an index into [`Component::remotes`](super::Component::remotes).
+    RemoteId
+    /// An attribute, function or activity: an index into [`Component::services`](super::Component::services).
+    ServiceId
+    /// An execution task: an index into [`Component::tasks`](super::Component::tasks).
+    TaskId
 }

@@ -4,7 +4,8 @@
 //! (reference manual, "Codel mutual exclusion"; language reference, section 14).
 
 use super::{
-    Codel, CodelKind, CodelRef, Component, Owner, Param, ParamDir, ParamSource, PathElement, Spec,
+    Codel, CodelKind, CodelRef, Component, Owner, Param, ParamDir, ParamSource, PathElement,
+    PortId, ServiceId, Spec,
 };
 use crate::phrase::Phrase;
 
@@ -22,7 +23,7 @@ pub enum Excluded {
     /// Another codel.
     Codel(CodelRef),
     /// An attribute, whose parameters are data of the ids: index into [`Component::services`].
-    Service(u32),
+    Service(ServiceId),
 }
 
 /// Two parameters that refer to the same data.
@@ -42,7 +43,7 @@ pub enum Shared {
     /// A part of the ids, by the longer of both paths; the whole ids if empty.
     Ids(Vec<PathElement>),
     /// Index into [`Component::ports`].
-    Port(u32),
+    Port(PortId),
 }
 
 impl Shared {
@@ -51,7 +52,7 @@ impl Shared {
         match self {
             Self::Ids(path) if path.is_empty() => Phrase::words("the whole ids"),
             Self::Ids(path) => Phrase::name(path_text(path)).and(" of the ids"),
-            Self::Port(port) => match component.ports.get(*port as usize) {
+            Self::Port(port) => match component.ports.get(*port) {
                 Some(port) => Phrase::words("port ").and_name(port.name.as_str()),
                 None => Phrase::words("a port"),
             },
@@ -90,9 +91,9 @@ pub fn exclusions(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<Ex
             found.push(Exclusion { with, through });
         }
     };
-    for (number, other) in component.tasks.iter().enumerate() {
-        let owner = Owner::Task(number as u32);
-        if task == Some(number as u32) {
+    for (number, other) in component.tasks.iter_enumerated() {
+        let owner = Owner::Task(number);
+        if task == Some(number) {
             continue;
         }
         for (index, codel) in (0..).zip(&other.codels) {
@@ -100,8 +101,8 @@ pub fn exclusions(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<Ex
             add(Excluded::Codel(CodelRef { owner, index }), through);
         }
     }
-    for (number, service) in component.services.iter().enumerate() {
-        let owner = Owner::Service(number as u32);
+    for (number, service) in component.services.iter_enumerated() {
+        let owner = Owner::Service(number);
         for (index, codel) in (0..).zip(&service.codels) {
             if task.is_some() && codel.kind != CodelKind::Fsm {
                 let through = collisions(spec, own, codel);
@@ -119,10 +120,10 @@ pub fn exclusions(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<Ex
         }
     }
     if task.is_some() {
-        for (number, service) in component.services.iter().enumerate() {
+        for (number, service) in component.services.iter_enumerated() {
             if service.task != task {
                 let through = attribute_collisions(spec, own, &service.params);
-                add(Excluded::Service(number as u32), through);
+                add(Excluded::Service(number), through);
             }
         }
     }
@@ -135,7 +136,7 @@ pub fn excluded_names(spec: &Spec, component: &Component, codel: CodelRef) -> Ve
     for exclusion in exclusions(spec, component, codel) {
         let name = match exclusion.with {
             Excluded::Codel(codel) => component.codel(codel).name.to_string(),
-            Excluded::Service(service) => component.services[service as usize].name.to_string(),
+            Excluded::Service(service) => component.services[service].name.to_string(),
         };
         if !names.contains(&name) {
             names.push(name);
@@ -146,8 +147,8 @@ pub fn excluded_names(spec: &Spec, component: &Component, codel: CodelRef) -> Ve
 
 /// The codels that cannot run while a service reads or sets its parameters: those of tasks, then
 /// those of services that run in another task.
-pub fn service_exclusions(spec: &Spec, component: &Component, service: u32) -> Vec<CodelRef> {
-    let Some(own) = component.services.get(service as usize) else {
+pub fn service_exclusions(spec: &Spec, component: &Component, service: ServiceId) -> Vec<CodelRef> {
+    let Some(own) = component.services.get(service) else {
         return Vec::new();
     };
     let mut found = Vec::new();

@@ -17,9 +17,9 @@ impl OwnerName {
     /// The name of a task or service of a component.
     pub fn of(component: &Component, owner: Owner) -> OwnerName {
         let (kind, name) = match owner {
-            Owner::Task(task) => ("task", &component.tasks[task as usize].name),
+            Owner::Task(task) => ("task", &component.tasks[task].name),
             Owner::Service(index) => {
-                let service = &component.services[index as usize];
+                let service = &component.services[index];
                 (service.kind.word(), &service.name)
             }
         };

@@ -2,8 +2,11 @@
 //! components that a codel excludes because of them.
 
 use rustc_hash::FxHashMap;
+use typed_index_collections::TiVec;
 
-use super::{CodelRef, Component, ComponentKind, OwnerName, ParamSource, PortDir, Spec, TypeId};
+use super::{
+    CodelRef, Component, ComponentKind, OwnerName, ParamSource, PortDir, PortId, Spec, TypeId,
+};
 
 /// A component of a system, with the specification it belongs to.
 #[derive(Debug, Clone, Copy)]
@@ -25,7 +28,7 @@ pub struct Connection {
 }
 
 /// A port: indexes of its component in [`System::parts`] and of the port there.
-pub type PortRef = (usize, u32);
+pub type PortRef = (usize, PortId);
 
 /// Components with the connections between them.
 #[derive(Debug)]
@@ -72,7 +75,7 @@ impl<'a> System<'a> {
             parts.filter(|part| part.component.kind == ComponentKind::Component).collect();
         let mut outputs: FxHashMap<String, Vec<PortRef>> = FxHashMap::default();
         for (number, part) in parts.iter().enumerate() {
-            for (index, port) in (0..).zip(&part.component.ports) {
+            for (index, port) in part.component.ports.iter_enumerated() {
                 if port.dir == PortDir::Out {
                     let ty = type_name(part.spec, port.data);
                     outputs.entry(ty).or_default().push((number, index));
@@ -86,7 +89,7 @@ impl<'a> System<'a> {
     /// equal name and type; otherwise the only one of that type.
     pub fn sources(&self, (part, port): PortRef) -> Vec<PortRef> {
         let reader = &self.parts[part];
-        let port = &reader.component.ports[port as usize];
+        let port = &reader.component.ports[port];
         let configured: Vec<PortRef> = self
             .connections
             .iter()
@@ -99,7 +102,7 @@ impl<'a> System<'a> {
         if !configured.is_empty() {
             return configured;
         }
-        let name = |port: &PortRef| &self.parts[port.0].component.ports[port.1 as usize].name;
+        let name = |port: &PortRef| &self.parts[port.0].component.ports[port.1].name;
         let of_type = self.outputs.get(&type_name(reader.spec, port.data));
         let others = of_type.into_iter().flatten();
         let candidates: Vec<PortRef> = others.filter(|ty| ty.0 != part).copied().collect();
@@ -120,7 +123,7 @@ impl<'a> System<'a> {
 
     fn output(&self, component: &str, port: &str) -> Option<PortRef> {
         let part = self.part(component)?;
-        let mut ports = (0..).zip(&self.parts[part].component.ports);
+        let mut ports = self.parts[part].component.ports.iter_enumerated();
         let found = ports.find(|(_, candidate)| {
             candidate.dir == PortDir::Out && candidate.name.as_str() == port
         });
@@ -129,7 +132,7 @@ impl<'a> System<'a> {
 
     /// The ports that hold the data of a port: itself, or the outputs that feed it.
     pub fn data_of(&self, port: PortRef) -> Vec<PortRef> {
-        match self.parts[port.0].component.ports[port.1 as usize].dir {
+        match self.parts[port.0].component.ports[port.1].dir {
             PortDir::Out => vec![port],
             PortDir::In => self.sources(port),
         }
@@ -152,8 +155,8 @@ impl<'a> System<'a> {
             return out;
         }
         for (other, entry) in self.parts.iter().enumerate().filter(|pair| pair.0 != part) {
-            let ports = 0..entry.component.ports.len() as u32;
-            let meets: Vec<Vec<PortRef>> = ports
+            let ports = entry.component.ports.keys();
+            let meets: TiVec<PortId, Vec<PortRef>> = ports
                 .map(|port| {
                     let mut locks = self.data_of((other, port));
                     locks.retain(|lock| shared.contains(lock));
@@ -167,7 +170,7 @@ impl<'a> System<'a> {
                 let mut found: Vec<PortRef> = Vec::new();
                 for param in &entry.component.codel(codel).params {
                     if let ParamSource::Port(port) = param.source {
-                        found.extend(&meets[port as usize]);
+                        found.extend(&meets[port]);
                     }
                 }
                 found.sort_unstable();
@@ -194,7 +197,7 @@ impl<'a> System<'a> {
     /// `component.port`
     pub fn port_name(&self, (part, port): PortRef) -> String {
         let component = self.parts[part].component;
-        format!("{}.{}", component.name, component.ports[port as usize].name)
+        format!("{}.{}", component.name, component.ports[port].name)
     }
 }
 

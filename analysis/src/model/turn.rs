@@ -7,7 +7,7 @@
 use num_rational::Ratio;
 
 use super::fsm::Machine;
-use super::{Codel, Component, Seconds};
+use super::{Codel, Component, Seconds, TaskId};
 
 /// The longest turn from some state.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -176,8 +176,8 @@ impl<'m> Machine<'m> {
 impl Component {
     /// Longest steady turn of the permanent activity of a task, divided by its period; `None` without period,
     /// bound or any execution time.
-    pub fn utilisation(&self, task: u32) -> Option<Seconds> {
-        let task = self.tasks.get(task as usize)?;
+    pub fn utilisation(&self, task: TaskId) -> Option<Seconds> {
+        let task = self.tasks.get(task)?;
         let period = task.period.as_ref()?.value;
         if period <= Ratio::from_integer(0) {
             return None;

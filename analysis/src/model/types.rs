@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{ComponentId, Name, Spec, Src};
+use super::{ComponentId, Name, PortId, RemoteId, Spec, Src};
 
 /// Index into `Spec::types`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -189,12 +189,12 @@ pub enum TypeKind {
     /// `Component::ports`.
     Port {
         component: ComponentId,
-        port: u32,
+        port: PortId,
     },
     /// The type object of a remote service.
     Remote {
         component: ComponentId,
-        remote: u32,
+        remote: RemoteId,
     },
     /// An unresolved type; causes no further diagnostic.
     Unknown,

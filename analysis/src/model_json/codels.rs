@@ -32,7 +32,7 @@ impl Writer<'_> {
         out.put("name", codel.name.as_str());
         out.put("kind", if codel.is_async { "async" } else { "sync" });
         let service = match reference.owner {
-            Owner::Service(service) => component.services.get(service as usize),
+            Owner::Service(service) => component.services.get(service),
             Owner::Task(_) => None,
         };
         let params = codel.params.iter();
@@ -69,17 +69,15 @@ impl Writer<'_> {
                     let name = &component.codel(other).name;
                     lock.put("codel", name.as_str());
                     match other.owner {
-                        Owner::Task(task) => {
-                            lock.put("task", component.tasks[task as usize].name.as_str())
-                        }
+                        Owner::Task(task) => lock.put("task", component.tasks[task].name.as_str()),
                         Owner::Service(service) => {
-                            lock.put("service", component.services[service as usize].name.as_str())
+                            lock.put("service", component.services[service].name.as_str())
                         }
                     };
                     name
                 }
                 Excluded::Service(other) => {
-                    let name = &component.services[other as usize].name;
+                    let name = &component.services[other].name;
                     lock.put("attribute", name.as_str());
                     name
                 }
@@ -90,7 +88,7 @@ impl Writer<'_> {
                 let shared = match &parameters.shared {
                     Shared::Ids(path) => json!({ "ids": path_text(path) }),
                     Shared::Port(port) => {
-                        let port = component.ports.get(*port as usize);
+                        let port = component.ports.get(*port);
                         json!({ "port": port.map(|parameters| parameters.name.as_str()) })
                     }
                 };
@@ -139,10 +137,8 @@ impl Writer<'_> {
             ParamSource::Local(Some(local)) => {
                 locals.and_then(|all| Some(&all.get(local as usize)?.name))
             }
-            ParamSource::Port(port) => component.ports.get(port as usize).map(|port| &port.name),
-            ParamSource::Remote(remote) => {
-                component.remotes.get(remote as usize).map(|remote| &remote.name)
-            }
+            ParamSource::Port(port) => component.ports.get(port).map(|port| &port.name),
+            ParamSource::Remote(remote) => component.remotes.get(remote).map(|remote| &remote.name),
             _ => None,
         };
         out.put_some("of", of.map(SmolStr::as_str));

@@ -113,7 +113,7 @@ fn provided_ports_have_the_type_of_the_interface() {
         let unit = fixture.analysis().unit("/main.gen".into()).unwrap();
         assert_eq!(fixture.all_diagnostics(), "", "{release}");
         let component = &unit.spec.components.raw[1];
-        let ty = component.ports[0].ty;
+        let ty = component.ports.raw[0].ty;
         assert_eq!(unit.spec.full_name(ty).as_deref(), Some(expected), "{release}");
         assert_eq!(unit.spec.release, release);
     }
@@ -137,7 +137,7 @@ component d { extends far; };
         };
         assert_eq!(of("d"), (Some("c++".to_owned()), 1, 1));
         let used = spec.components.iter().find(|component| component.name == "c").unwrap();
-        assert_eq!(used.remotes[0].throws.len(), 1, "the service throws it");
+        assert_eq!(used.remotes.raw[0].throws.len(), 1, "the service throws it");
         of("c")
     };
     assert_eq!(read(Release::V2_99_42), (Some("c++".to_owned()), 1, 1));

@@ -235,10 +235,10 @@ impl Context<'_, '_> {
     fn ports(&self, prepared: &Prepared) -> Vec<(Port, String)> {
         let components = prepared.built.components.iter().flat_map(|(&name, &at)| {
             let component = self.names.components[name].component;
-            let ports = (0u32..).zip(&component.ports);
+            let ports = component.ports.iter_enumerated();
             let ports = ports.filter(|(_, port)| port.dir == PortDir::Out);
             ports.map(move |(number, port)| {
-                ((at, number), format!("{}/{}", component.name, port.name))
+                ((at, number.0), format!("{}/{}", component.name, port.name))
             })
         });
         let mut out: Vec<_> = components.collect();

@@ -68,8 +68,8 @@ pub(super) fn start(
         let Some((component, _)) = all.find(|pair| pair.1.name == member.component.name) else {
             continue;
         };
-        let count = member.component.services.len() as u32;
-        let services = (0..count).map(|index| built.services.get(&(name, index)).copied());
+        let services = member.component.services.keys();
+        let services = services.map(|index| built.services.get(&(name, index)).copied());
         let known_here = KnownComponent {
             services: services.collect(),
             executed: parts.of(at).is_some(),
@@ -222,10 +222,10 @@ fn read(
     let Some((&at, declaration)) = all.find(|pair| pair.1.component().name == component) else {
         anyhow::bail!("`--zenoh-read {text}`: no component `{component}` runs");
     };
-    let mut ports = (0u32..).zip(&declaration.component().ports);
+    let mut ports = declaration.component().ports.iter_enumerated();
     let found = ports.find(|candidate| candidate.1.name == port && candidate.1.dir == PortDir::In);
     match found {
-        Some((index, _)) => Ok((at, index, key.to_owned())),
+        Some((index, _)) => Ok((at, index.0, key.to_owned())),
         None => anyhow::bail!("`--zenoh-read {text}`: `{component}` has no input port `{port}`"),
     }
 }

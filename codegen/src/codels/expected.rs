@@ -7,7 +7,7 @@
 
 use dotgen_analysis::model::{
     CodelKind, CodelRef, Component, ComponentId, Name, Owner, Port, Service, Spec, Src, State,
-    TypeId, TypeKind, UnknownDependencies,
+    TaskId, TypeId, TypeKind, UnknownDependencies,
 };
 use dotgen_analysis::release::Change;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -161,7 +161,7 @@ impl<'a> Expected<'a> {
     pub fn throws_of(&self, owner: Owner) -> Vec<TypeId> {
         let component = self.component();
         match owner {
-            Owner::Task(task) => task_throws(component, &component.tasks[task as usize]),
+            Owner::Task(task) => task_throws(component, &component.tasks[task]),
             Owner::Service(service) => service_throws(component, service),
         }
     }
@@ -175,8 +175,8 @@ impl<'a> Expected<'a> {
     }
 
     /// True if the skeleton has a file for a task.
-    pub(crate) fn has_file(&self, task: u32) -> bool {
-        let declaration = &self.component().tasks[task as usize];
+    pub(crate) fn has_file(&self, task: TaskId) -> bool {
+        let declaration = &self.component().tasks[task];
         let local_codels = self.spec.release.has(Change::ExternalLocalCodels);
         let own_codels = || {
             let runs = |service: &&Service| service.task == Some(task);
@@ -428,9 +428,9 @@ pub fn state_text(state: &State) -> String {
 /// `task`, `attribute`, `function` or `activity`, and its name.
 pub fn owner_words(component: &Component, owner: Owner) -> (&'static str, &Name) {
     match owner {
-        Owner::Task(task) => ("task", &component.tasks[task as usize].name),
+        Owner::Task(task) => ("task", &component.tasks[task].name),
         Owner::Service(service) => {
-            let service = &component.services[service as usize];
+            let service = &component.services[service];
             let kind = service.kind.word();
             (kind, &service.name)
         }

@@ -4,7 +4,7 @@
 //! that its merge mode makes no changes.
 
 use camino::Utf8PathBuf;
-use dotgen_analysis::model::{CodelKind, CodelRef, Owner, Param, State};
+use dotgen_analysis::model::{CodelKind, CodelRef, Owner, Param, ServiceId, State, TaskId};
 use dotgen_analysis::release::Change;
 use rustc_hash::FxHashMap;
 
@@ -41,9 +41,9 @@ pub struct Stubs<'a> {
 /// The subject of the heading of a group of stubs.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Group {
-    Task(u32),
-    Validation(u32),
-    Service(u32),
+    Task(TaskId),
+    Validation(ServiceId),
+    Service(ServiceId),
 }
 
 impl<'a> Stubs<'a> {
@@ -60,18 +60,18 @@ impl<'a> Stubs<'a> {
             // Services without a task belong to the control task, whatever their codels.
             Owner::Service(service) => {
                 let validation = component.codel(at).kind == CodelKind::Validate;
-                component.services[service as usize].task.filter(|_| !validation)
+                component.services[service].task.filter(|_| !validation)
             }
         };
         self.file(task)
     }
 
-    fn file(&self, task: Option<u32>) -> Utf8PathBuf {
+    fn file(&self, task: Option<TaskId>) -> Utf8PathBuf {
         let component = self.expected.component();
         let cxx = self.options.compile_as_cxx || self.expected.language == Language::Cxx;
         let extension = if cxx { "cc" } else { "c" };
         let task = match task {
-            Some(task) => format!("{}_", component.tasks[task as usize].name),
+            Some(task) => format!("{}_", component.tasks[task].name),
             None => String::new(),
         };
         format!("codels/{}_{task}codels.{extension}", component.name).into()
@@ -83,7 +83,7 @@ impl<'a> Stubs<'a> {
         // A function is written once, even if several files would contain it.
         let mut written = FxHashMap::default();
         let component = self.expected.component();
-        let tasks = (0..component.tasks.len() as u32).filter(|task| self.expected.has_file(*task));
+        let tasks = component.tasks.keys().filter(|task| self.expected.has_file(*task));
         let tasks = tasks.map(Some).chain([None]);
         tasks
             .map(|task| {
@@ -112,13 +112,13 @@ impl<'a> Stubs<'a> {
 
     fn whole_file(
         &self,
-        task: Option<u32>,
+        task: Option<TaskId>,
         written: &mut FxHashMap<String, String>,
     ) -> Result<String, LangError> {
         let component = self.expected.component();
         let mut out = self.preamble();
         let services =
-            || (0u32..).zip(&component.services).filter(|pair| self.expected.is_own(pair.1.src));
+            || component.services.iter_enumerated().filter(|pair| self.expected.is_own(pair.1.src));
         let refs = |owner: Owner, kinds: &[CodelKind]| -> Vec<CodelRef> {
             let codels = (0u32..).zip(component.codels_of(owner));
             codels
@@ -156,16 +156,13 @@ impl<'a> Stubs<'a> {
                 let name = component.codel(at).name.to_string();
                 let place = match group {
                     Group::Task(task) => {
-                        format!("task {}", component.tasks[task as usize].name)
+                        format!("task {}", component.tasks[task].name)
                     }
                     Group::Validation(validation) => {
-                        format!(
-                            "service {} validation",
-                            component.services[validation as usize].name
-                        )
+                        format!("service {} validation", component.services[validation].name)
                     }
                     Group::Service(service) => {
-                        format!("service {}", component.services[service as usize].name)
+                        format!("service {}", component.services[service].name)
                     }
                 };
                 out += &self.comment(at);
@@ -183,7 +180,7 @@ impl<'a> Stubs<'a> {
     fn heading(&self, group: Group) -> String {
         let component = self.expected.component();
         let title = match group {
-            Group::Task(task) => format!("Task {}", component.tasks[task as usize].name),
+            Group::Task(task) => format!("Task {}", component.tasks[task].name),
             Group::Validation(validation) | Group::Service(validation) => {
                 let (kind, name) = owner_words(component, Owner::Service(validation));
                 let mut kind = kind.to_owned();

@@ -1,6 +1,6 @@
 //! C: the text of type definitions and codel prototypes.
 
-use dotgen_analysis::model::{ComponentId, ParamDir, TypeId, TypeKind, Value};
+use dotgen_analysis::model::{ComponentId, ParamDir, PortId, RemoteId, TypeId, TypeKind, Value};
 use dotgen_analysis::release::Change;
 
 use super::c::declarator;
@@ -263,9 +263,9 @@ impl Writer<'_, '_> {
         Ok(guard(&head, &n) + &needed + &guard(&body, &format!("{n}_definition")))
     }
 
-    fn port(&self, ty: TypeId, component: ComponentId, port: u32) -> LangResult {
+    fn port(&self, ty: TypeId, component: ComponentId, port: PortId) -> LangResult {
         let n = declarator(self.m, ty, "")?;
-        let port = &self.m.spec.components[component].ports[port as usize];
+        let port = &self.m.spec.components[component].ports[port];
         let needed = match self.m.kind(port.data) {
             TypeKind::Sequence { .. } => self.anonymous(port.data)?,
             _ => String::new(),
@@ -284,9 +284,9 @@ impl Writer<'_, '_> {
         Ok(needed + &guard(&body, &n))
     }
 
-    fn remote(&self, ty: TypeId, component: ComponentId, remote: u32) -> LangResult {
+    fn remote(&self, ty: TypeId, component: ComponentId, remote: RemoteId) -> LangResult {
         let n = declarator(self.m, ty, "")?;
-        let remote = &self.m.spec.components[component].remotes[remote as usize];
+        let remote = &self.m.spec.components[component].remotes[remote];
         let arguments = self.m.remote_arguments(remote)?;
         let mut needed = String::new();
         for param in remote.params.iter().filter(|param| param.dir != ParamDir::Local) {

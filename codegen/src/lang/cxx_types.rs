@@ -1,6 +1,8 @@
 //! C++: the text of type definitions and codel prototypes.
 
-use dotgen_analysis::model::{ComponentId, PortDir, ScopeKind, TypeId, TypeKind, Value};
+use dotgen_analysis::model::{
+    ComponentId, PortDir, PortId, RemoteId, ScopeKind, TypeId, TypeKind, Value,
+};
 
 use super::c_types::{literal, mentions_sized_integer};
 use super::cxx::declarator;
@@ -235,8 +237,8 @@ impl Writer<'_, '_> {
         Ok(EVENT_HEADER.to_owned() + &self.wrapped(&body, ty)?)
     }
 
-    fn port(&self, ty: TypeId, component: ComponentId, port: u32) -> LangResult {
-        let port = &self.m.spec.components[component].ports[port as usize];
+    fn port(&self, ty: TypeId, component: ComponentId, port: PortId) -> LangResult {
+        let port = &self.m.spec.components[component].ports[port];
         let data = self.m.return_value(port.data, PassingMode::Reference, "")?;
         let arguments = if port.multiple { "const char *id" } else { "void" };
         let constant = match port.dir {
@@ -255,8 +257,8 @@ impl Writer<'_, '_> {
         Ok(EVENT_HEADER.to_owned() + &self.wrapped(&body, ty)?)
     }
 
-    fn remote(&self, ty: TypeId, component: ComponentId, remote: u32) -> LangResult {
-        let remote = &self.m.spec.components[component].remotes[remote as usize];
+    fn remote(&self, ty: TypeId, component: ComponentId, remote: RemoteId) -> LangResult {
+        let remote = &self.m.spec.components[component].remotes[remote];
         let arguments = self.m.remote_arguments(remote)?;
         let body = format!(
             "{}\nstruct {} {{\n  virtual void call({}) = 0;\n}};",

@@ -222,7 +222,7 @@ impl Model<'_> {
     }
 
     fn services(&self, component: ComponentId, list: &ServiceList) -> Answer {
-        let all: Vec<u32> = (0..self.spec.component(component).services.len() as u32).collect();
+        let all: Vec<_> = self.spec.component(component).services.keys().collect();
         let services = if list.all { &all } else { &list.services };
         self.list(services.iter().map(|service| Object::Service(component, *service)))
     }

@@ -2,7 +2,9 @@
 //!
 //! Both walk the model; a filter given by the template may leave objects out.
 
-use dotgen_analysis::model::{ComponentId, ComponentKind, ParamDir, Spec, TypeId, TypeKind};
+use dotgen_analysis::model::{
+    ComponentId, ComponentKind, ParamDir, ServiceId, Spec, TypeId, TypeKind,
+};
 use dotgen_analysis::release::Change;
 use md5::{Digest, Md5};
 use rustc_hash::FxHashMap;
@@ -74,11 +76,11 @@ pub(crate) fn types_of_component(
             wanted.push(port.ty);
         }
     }
-    for (at, service) in component.services.iter().enumerate() {
+    for (at, service) in component.services.iter_enumerated() {
         let local = |dir| dir == dotgen_analysis::model::ParamDir::Local;
         let params = service.params.iter();
         wanted.extend(params.filter(|param| private || !local(param.dir)).map(|param| param.ty));
-        wanted.extend(service_throws(component, at as u32));
+        wanted.extend(service_throws(component, at));
     }
     if visibility != Visibility::Public {
         for remote in &component.remotes {
@@ -209,8 +211,8 @@ impl Chunks {
         filter: &mut Filter<'_>,
     ) -> Result<(), Failure> {
         let component = spec.component(index);
-        for (at, port) in component.ports.iter().enumerate() {
-            if !filter(&Object::Port(index, at as u32))? {
+        for (at, port) in component.ports.iter_enumerated() {
+            if !filter(&Object::Port(index, at))? {
                 continue;
             }
             self.push("port");
@@ -218,13 +220,13 @@ impl Chunks {
             self.push(&port.name);
             self.type_(spec, port.data, filter, DEPTH)?;
         }
-        for (at, service) in component.services.iter().enumerate() {
-            if !filter(&Object::Service(index, at as u32))? {
+        for (at, service) in component.services.iter_enumerated() {
+            if !filter(&Object::Service(index, at))? {
                 continue;
             }
             self.push(service.kind.word());
             self.push(&service.name);
-            self.service(spec, index, at as u32, filter)?;
+            self.service(spec, index, at, filter)?;
         }
         Ok(())
     }
@@ -233,7 +235,7 @@ impl Chunks {
         &mut self,
         spec: &Spec,
         component: ComponentId,
-        service: u32,
+        service: ServiceId,
         filter: &mut Filter<'_>,
     ) -> Result<(), Failure> {
         wanted(filter, &Object::Service(component, service))?;

@@ -1,7 +1,8 @@
 //! Mutual exclusion: codels and services that must not run at the same time.
 
 use dotgen_analysis::model::{
-    Codel, CodelKind, CodelRef, Component, Owner, Param, ParamDir, ParamSource, Spec,
+    Codel, CodelKind, CodelRef, Component, Owner, Param, ParamDir, ParamSource, ServiceId, Spec,
+    TaskId,
 };
 use rustc_hash::FxHashSet;
 
@@ -17,7 +18,7 @@ pub(crate) fn codel_mutex(
     spec: &Spec,
     component: &Component,
     at: CodelRef,
-) -> (Vec<CodelRef>, Vec<u32>) {
+) -> (Vec<CodelRef>, Vec<ServiceId>) {
     let codel = component.codel(at);
     let task = component.task_of(at);
     let service = match at.owner {
@@ -27,11 +28,10 @@ pub(crate) fn codel_mutex(
     let mut found = SeenCodels::new(component);
     let conflict =
         |other: &Codel| conflicts(spec, &codel.params, &other.params, MutexOperand::Codel);
-    for other in (0..component.tasks.len() as u32).filter(|index| Some(*index) != task) {
+    for other in component.tasks.keys().filter(|index| Some(*index) != task) {
         found.add_state_machine(Owner::Task(other), conflict);
     }
-    for (index, other) in component.services.iter().enumerate() {
-        let index = index as u32;
+    for (index, other) in component.services.iter_enumerated() {
         if task.is_some() {
             found.add(Owner::Service(index), |codel| {
                 codel.kind != CodelKind::Fsm && conflict(codel)
@@ -47,26 +47,30 @@ pub(crate) fn codel_mutex(
         }
         found.add_state_machine(Owner::Service(index), conflict);
     }
-    let services = component.services.iter().enumerate();
+    let services = component.services.iter_enumerated();
     let services = services
         .filter(|(_, other)| other.task != task)
         .filter(|(_, other)| conflicts(spec, &codel.params, &other.params, MutexOperand::Service))
-        .map(|(index, _)| index as u32);
+        .map(|(index, _)| index);
     (found.codels, services.collect())
 }
 
 /// Codels that exclude a service.
-pub(crate) fn service_mutex(spec: &Spec, component: &Component, service: u32) -> Vec<CodelRef> {
-    let service = &component.services[service as usize];
+pub(crate) fn service_mutex(
+    spec: &Spec,
+    component: &Component,
+    service: ServiceId,
+) -> Vec<CodelRef> {
+    let service = &component.services[service];
     let mut found = SeenCodels::new(component);
     let conflict =
         |other: &Codel| conflicts(spec, &other.params, &service.params, MutexOperand::Service);
-    for other in (0..component.tasks.len() as u32).filter(|task| Some(*task) != service.task) {
+    for other in component.tasks.keys().filter(|task| Some(*task) != service.task) {
         found.add_state_machine(Owner::Task(other), conflict);
     }
-    for (index, other) in component.services.iter().enumerate() {
+    for (index, other) in component.services.iter_enumerated() {
         if other.task != service.task {
-            found.add_state_machine(Owner::Service(index as u32), conflict);
+            found.add_state_machine(Owner::Service(index), conflict);
         }
     }
     found.codels
@@ -76,7 +80,7 @@ pub(crate) fn service_mutex(spec: &Spec, component: &Component, service: u32) ->
 struct SeenCodels<'a> {
     component: &'a Component,
     codels: Vec<CodelRef>,
-    seen: FxHashSet<(Option<u32>, Option<u32>, &'a str)>,
+    seen: FxHashSet<(Option<TaskId>, Option<ServiceId>, &'a str)>,
 }
 
 impl<'a> SeenCodels<'a> {

@@ -5,8 +5,8 @@
 //! more input is parsed, although its index in the model may change.
 
 use dotgen_analysis::model::{
-    Codel, CodelRef, Component, ComponentId, InitValue, Initializer, Owner, Param, Port, Remote,
-    Service, Spec, Src, Task, TypeId,
+    Codel, CodelRef, Component, ComponentId, InitValue, Initializer, Owner, Param, Port, PortId,
+    Remote, RemoteId, Service, ServiceId, Spec, Src, Task, TaskId, TypeId,
 };
 use rustc_hash::FxHashMap;
 
@@ -18,13 +18,13 @@ pub(crate) enum Object {
     /// Component or interface.
     Component(ComponentId),
     /// Component and task.
-    Task(ComponentId, u32),
+    Task(ComponentId, TaskId),
     /// Component and port.
-    Port(ComponentId, u32),
+    Port(ComponentId, PortId),
     /// Component and service.
-    Service(ComponentId, u32),
+    Service(ComponentId, ServiceId),
     /// Component and remote.
-    Remote(ComponentId, u32),
+    Remote(ComponentId, RemoteId),
     /// Component and codel.
     Codel(ComponentId, CodelRef),
     /// Component and parameter.
@@ -36,8 +36,8 @@ pub(crate) enum Object {
 /// Names a parameter of a component: the owner and the index.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum ParamRef {
-    Service(u32, u32),
-    Remote(u32, u32),
+    Service(ServiceId, u32),
+    Remote(RemoteId, u32),
     Codel(CodelRef, u32),
 }
 
@@ -45,20 +45,20 @@ pub(crate) enum ParamRef {
 pub(crate) trait Lookup {
     fn component(&self, component: ComponentId) -> &Component;
 
-    fn task(&self, component: ComponentId, task: u32) -> &Task {
-        &self.component(component).tasks[task as usize]
+    fn task(&self, component: ComponentId, task: TaskId) -> &Task {
+        &self.component(component).tasks[task]
     }
 
-    fn port(&self, component: ComponentId, port: u32) -> &Port {
-        &self.component(component).ports[port as usize]
+    fn port(&self, component: ComponentId, port: PortId) -> &Port {
+        &self.component(component).ports[port]
     }
 
-    fn service(&self, component: ComponentId, service: u32) -> &Service {
-        &self.component(component).services[service as usize]
+    fn service(&self, component: ComponentId, service: ServiceId) -> &Service {
+        &self.component(component).services[service]
     }
 
-    fn remote(&self, component: ComponentId, remote: u32) -> &Remote {
-        &self.component(component).remotes[remote as usize]
+    fn remote(&self, component: ComponentId, remote: RemoteId) -> &Remote {
+        &self.component(component).remotes[remote]
     }
 
     fn codel(&self, component: ComponentId, codel: CodelRef) -> &Codel {
@@ -186,20 +186,19 @@ impl Registry {
         let name = component.name.to_string();
         let member = |kind, member: &str| Identity::Member(name.clone(), kind, member.to_owned());
         self.add("component", Object::Component(index), Identity::Component(name.clone()));
-        for (at, task) in component.tasks.iter().enumerate() {
-            let object = Object::Task(index, at as u32);
+        for (at, task) in component.tasks.iter_enumerated() {
+            let object = Object::Task(index, at);
             self.add("task", object, member("task", &task.name));
         }
-        for (at, port) in component.ports.iter().enumerate() {
-            let object = Object::Port(index, at as u32);
+        for (at, port) in component.ports.iter_enumerated() {
+            let object = Object::Port(index, at);
             self.add("port", object, member("port", &port.name));
         }
-        for (at, service) in component.services.iter().enumerate() {
-            let object = Object::Service(index, at as u32);
+        for (at, service) in component.services.iter_enumerated() {
+            let object = Object::Service(index, at);
             self.add("service", object, member("service", &service.name));
         }
-        for (at, remote) in component.remotes.iter().enumerate() {
-            let at = at as u32;
+        for (at, remote) in component.remotes.iter_enumerated() {
             let object = Object::Remote(index, at);
             let number = self.add("remote", object, member("remote", &remote.name));
             for param in 0..remote.params.len() as u32 {
@@ -209,12 +208,12 @@ impl Registry {
         let mut alike: FxHashMap<(String, Src), u32> = FxHashMap::default();
         for owner in in_order(component) {
             let (word, owner_name) = match owner {
-                Owner::Task(task) => ("task", &component.tasks[task as usize].name),
-                Owner::Service(service) => ("service", &component.services[service as usize].name),
+                Owner::Task(task) => ("task", &component.tasks[task].name),
+                Owner::Service(service) => ("service", &component.services[service].name),
             };
             if let Owner::Service(at) = owner {
                 let number = self.numbers[&member("service", owner_name)];
-                for param in 0..component.services[at as usize].params.len() as u32 {
+                for param in 0..component.services[at].params.len() as u32 {
                     self.add_param(spec, index, ParamRef::Service(at, param), number, param);
                 }
             }
@@ -275,10 +274,11 @@ impl Registry {
 
 /// Tasks and services in order of creation: first those from interfaces, then the rest as written.
 fn in_order(component: &Component) -> Vec<Owner> {
-    let tasks = component.tasks.iter().map(|task| task.src);
-    let services = component.services.iter().map(|service| service.src);
-    let mut all: Vec<(Src, Owner)> = tasks.zip((0..).map(Owner::Task)).collect();
-    all.extend(services.zip((0..).map(Owner::Service)));
+    let tasks = component.tasks.iter_enumerated();
+    let services = component.services.iter_enumerated();
+    let mut all: Vec<(Src, Owner)> =
+        tasks.map(|(index, task)| (task.src, Owner::Task(index))).collect();
+    all.extend(services.map(|(index, service)| (service.src, Owner::Service(index))));
     let home = (component.src.visit, component.src.item);
     all.sort_by_key(|(src, _)| {
         let own = (src.visit, src.item) == home;

@@ -1,6 +1,6 @@
 //! Exceptions an object may raise: those of its owner first, then its own, each once.
 
-use dotgen_analysis::model::{Component, Remote, Task, TypeId};
+use dotgen_analysis::model::{Component, Remote, ServiceId, Task, TypeId};
 
 fn unique(lists: &[&[TypeId]]) -> Vec<TypeId> {
     let mut out = Vec::new();
@@ -24,9 +24,9 @@ pub(crate) fn task_throws(component: &Component, task: &Task) -> Vec<TypeId> {
     unique(&[&component.throws, &task.throws])
 }
 
-pub fn service_throws(component: &Component, service: u32) -> Vec<TypeId> {
-    let service = &component.services[service as usize];
-    let task = service.task.map(|task| &component.tasks[task as usize]);
+pub fn service_throws(component: &Component, service: ServiceId) -> Vec<TypeId> {
+    let service = &component.services[service];
+    let task = service.task.map(|task| &component.tasks[task]);
     let task = task.map_or(&[][..], |task| task.throws.as_slice());
     unique(&[&component.throws, task, &service.throws])
 }

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard};
 
+use dotgen_analysis::model::ServiceId;
 use dotgen_runtime::hosts::{Message, OutsideRequest, RequestReply};
 use dotgen_timing::system::ComponentId;
 use serde_json::{Value, json};
@@ -28,7 +29,7 @@ pub(super) struct Requests {
     /// Number of replies that have not been sent.
     queued: Arc<AtomicUsize>,
     /// By their numbers, with the component and the index of the service.
-    pending: Mutex<HashMap<u64, (ComponentId, usize, Query)>>,
+    pending: Mutex<HashMap<u64, (ComponentId, ServiceId, Query)>>,
 }
 
 impl Requests {
@@ -52,7 +53,7 @@ impl Requests {
         let mut queryables = Vec::new();
         for (&component, entry) in &self.known {
             let entry = entry.component();
-            for (index, service) in entry.services.iter().enumerate() {
+            for (index, service) in entry.services.iter_enumerated() {
                 let requests = self.clone();
                 let key = format!("{}/{}", entry.name, service.name);
                 // Of several runs with the service, one gets a request.
@@ -64,11 +65,11 @@ impl Requests {
         Ok(queryables)
     }
 
-    fn pending(&self) -> MutexGuard<'_, HashMap<u64, (ComponentId, usize, Query)>> {
+    fn pending(&self) -> MutexGuard<'_, HashMap<u64, (ComponentId, ServiceId, Query)>> {
         self.pending.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
-    fn hear(&self, component: ComponentId, index: usize, query: Query) {
+    fn hear(&self, component: ComponentId, index: ServiceId, query: Query) {
         if let Err(why) = self.begin(component, index, &query)
             && self.queued.load(Ordering::Relaxed) < 2 * QUEUED
         {
@@ -77,7 +78,7 @@ impl Requests {
     }
 
     /// Sends a request to the engine.
-    fn begin(&self, component: ComponentId, index: usize, query: &Query) -> Result<(), String> {
+    fn begin(&self, component: ComponentId, index: ServiceId, query: &Query) -> Result<(), String> {
         let known = &self.known[&component];
         let service = &known.component().services[index];
         let path = format!("{}.{}", known.component().name, service.name);

@@ -15,7 +15,8 @@ use super::topics::{Topic, now};
 use crate::children::RunInbox;
 use crate::clients::MAX_WAITING;
 use crate::components::KnownComponent;
-use dotgen_timing::system::{ComponentId, ServiceId};
+use dotgen_analysis::model::ServiceId;
+use dotgen_timing::system::{self, ComponentId};
 
 /// Maximum number of goals of an activity, with those that have ended: the oldest of these are forgotten.
 const GOALS: usize = 128;
@@ -43,12 +44,12 @@ struct State {
     /// The requests that have not ended, by their numbers.
     pending: HashMap<u64, Pending>,
     /// By component and service.
-    activities: HashMap<(ComponentId, u32), Activity>,
+    activities: HashMap<(ComponentId, ServiceId), Activity>,
 }
 
 struct Pending {
     component: ComponentId,
-    service: u32,
+    service: ServiceId,
     wants: Wants,
 }
 
@@ -96,7 +97,7 @@ impl Requests {
     }
 
     /// Adds the topic of the status of an activity.
-    pub(super) fn add_status(&self, component: ComponentId, service: u32, topic: Topic) {
+    pub(super) fn add_status(&self, component: ComponentId, service: ServiceId, topic: Topic) {
         let mut state = self.state();
         let activity = state.activities.entry((component, service)).or_default();
         activity.status = Some(topic);
@@ -104,7 +105,7 @@ impl Requests {
     }
 
     /// Adds the topic of the feedback of an activity.
-    pub(super) fn add_feedback(&self, component: ComponentId, service: u32, topic: Topic) {
+    pub(super) fn add_feedback(&self, component: ComponentId, service: ServiceId, topic: Topic) {
         let mut state = self.state();
         let activity = state.activities.entry((component, service)).or_default();
         activity.feedback = Some(topic);
@@ -143,10 +144,10 @@ impl Requests {
         &self,
         state: &State,
         component: ComponentId,
-        service: u32,
-    ) -> Result<(ServiceId, u64), String> {
+        service: ServiceId,
+    ) -> Result<(system::ServiceId, u64), String> {
         let known = &self.known[&component];
-        let wanted = known.services.get(service as usize).copied().flatten();
+        let wanted = known.services.get(usize::from(service)).copied().flatten();
         let wanted = wanted.ok_or("this service cannot be requested in this run")?;
         let all = state.pending.values();
         if all.filter(|pending| pending.component == component).count() >= MAX_WAITING {
@@ -158,7 +159,7 @@ impl Requests {
         Ok((wanted, self.inbox.number()))
     }
 
-    fn call(&self, component: ComponentId, service: u32, asked: Asked, payload: &[u8]) {
+    fn call(&self, component: ComponentId, service: ServiceId, asked: Asked, payload: &[u8]) {
         let inputs = match self.payloads(component).inputs(service, payload) {
             Ok(input) => input,
             Err(why) => return self.replies.error(asked, why.to_string()),
@@ -173,14 +174,14 @@ impl Requests {
         self.bring(id, wanted, inputs);
     }
 
-    fn bring(&self, id: u64, service: ServiceId, inputs: Vec<u8>) {
+    fn bring(&self, id: u64, service: system::ServiceId, inputs: Vec<u8>) {
         let request = OutsideRequest { id, service, inputs };
         // After the end of the run, the queries end with the session.
         self.inbox.bring(Message::OutsideRequest(request));
     }
 
     /// A goal is accepted before the component decides, as a refusal has no reason in ROS 2.
-    fn send_goal(&self, component: ComponentId, service: u32, asked: Asked, payload: &[u8]) {
+    fn send_goal(&self, component: ComponentId, service: ServiceId, asked: Asked, payload: &[u8]) {
         let (goal, inputs) = match self.payloads(component).goal(service, payload) {
             Ok(goal) => goal,
             Err(why) => return self.replies.error(asked, why.to_string()),
@@ -216,7 +217,7 @@ impl Requests {
         self.bring(number, wanted, inputs);
     }
 
-    fn get_result(&self, component: ComponentId, service: u32, asked: Asked, payload: &[u8]) {
+    fn get_result(&self, component: ComponentId, service: ServiceId, asked: Asked, payload: &[u8]) {
         let id = match cdr::result_of(payload) {
             Ok(bytes) => bytes,
             Err(why) => return self.replies.error(asked, why.to_string()),
@@ -239,7 +240,7 @@ impl Requests {
         }
     }
 
-    fn cancel(&self, component: ComponentId, service: u32, asked: Asked, payload: &[u8]) {
+    fn cancel(&self, component: ComponentId, service: ServiceId, asked: Asked, payload: &[u8]) {
         let wanted = match cdr::cancel(payload) {
             Ok(cancel) => cancel,
             Err(why) => return self.replies.error(asked, why.to_string()),
@@ -276,7 +277,7 @@ impl Requests {
     fn result(
         &self,
         component: ComponentId,
-        service: u32,
+        service: ServiceId,
         status: i8,
         outcome: Outcome<'_>,
     ) -> Vec<u8> {
@@ -361,10 +362,10 @@ impl Requests {
     }
 
     /// The outputs of a service of a simulated component.
-    fn zeros(&self, component: ComponentId, service: u32) -> Vec<u8> {
+    fn zeros(&self, component: ComponentId, service: ServiceId) -> Vec<u8> {
         let known = &self.known[&component];
         let values = Values::new(&known.spec);
-        let service = &known.component().services[service as usize];
+        let service = &known.component().services[service];
         let outputs = service.params.iter().filter(|param| is_output(param));
         let zeros = outputs.filter_map(|output| values.encode(output.ty, &Value::Null).ok());
         zeros.collect::<Vec<_>>().concat()

@@ -4,6 +4,7 @@ use dotgen_codegen::codels::value::Values;
 use serde_json::{Map, Value};
 
 use super::{Shared, State};
+use dotgen_analysis::model::PortId;
 use dotgen_timing::system::ComponentId;
 
 /// Returns the newest value of each instance of a port.
@@ -14,7 +15,7 @@ pub(super) fn newest(
     port: u32,
 ) -> Map<String, Value> {
     let known = &shared.known[&component];
-    let ty = known.component().ports[port as usize].data;
+    let ty = known.component().ports[PortId(port)].data;
     let of = state.data.iter();
     let of = of.filter(|((c, p, _), _)| (*c, *p) == (component, port));
     let values = of.map(|((_, _, instance), bytes)| {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use dotgen_analysis::model::PortDir;
+use dotgen_analysis::model::{PortDir, PortId};
 use dotgen_codegen::codels::value::Values;
 use dotgen_runtime::hosts::{Connection, Message};
 use serde_json::{Value, json};
@@ -38,12 +38,12 @@ pub(super) fn connect(
     let find = |at: ComponentId, dir: PortDir, path: &str| {
         let (port, instance) = path.split_once('/').unwrap_or((path, ""));
         let known = shared.known.get(&at)?;
-        let mut ports = (0u32..).zip(&known.component().ports);
+        let mut ports = known.component().ports.iter_enumerated();
         let (number, port) =
             ports.find(|(_, candidate)| candidate.name == port && candidate.dir == dir)?;
         let fits = port.multiple != instance.is_empty();
         let layout = Values::new(&known.spec).layout(port.data);
-        fits.then(|| (number, instance.to_owned(), layout))
+        fits.then(|| (number.0, instance.to_owned(), layout))
     };
     let Some((to, name, wanted)) = find(at, PortDir::In, local) else {
         return failed("no_such_inport");
@@ -80,7 +80,7 @@ pub(super) fn write(shared: &Shared, path: &str, request: &Value) -> Result<Valu
     let (at, number) = input(shared, path)?;
     let known = &shared.known[&at];
     let component = known.component();
-    let port = &component.ports[number as usize];
+    let port = &component.ports[PortId(number)];
     let value = request.get("value");
     let value = value.ok_or_else(|| format!("`write` needs a `value` for `{path}`"))?;
     let instance = match request.get("instance") {
@@ -145,7 +145,7 @@ fn is_full<'p>(all: impl Iterator<Item = &'p Place>, further: &Place) -> bool {
 fn source(shared: &Shared, state: &State, place: &Place) -> Option<String> {
     let name = |component: ComponentId, port: u32| {
         let component = shared.known.get(&component)?.component();
-        let port = component.ports.get(port as usize)?;
+        let port = component.ports.get(PortId(port))?;
         Some((component, port))
     };
     if let Some((component, port, instance)) = state.connected.get(place) {

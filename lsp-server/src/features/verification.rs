@@ -47,7 +47,7 @@ fn tasks(problem: &Problem, path: &Utf8Path) -> Vec<TaskLocation> {
     let specs = problem.specs();
     for (c, member) in Names::new(&specs).components.iter().enumerate() {
         let unit = &problem.units[member.spec_index];
-        for (t, task) in (0..).zip(&member.component.tasks) {
+        for (t, task) in member.component.tasks.iter_enumerated() {
             let place = unit.locations.locate(task.src);
             if let Some(place) = place.filter(|place| place.path == path) {
                 out.push(TaskLocation {

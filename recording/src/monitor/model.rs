@@ -198,12 +198,12 @@ impl<'s> Model<'s> {
         if let Some(state) = &site.state {
             let (automaton, permanent) = match site.codel.owner {
                 Owner::Task(task) => {
-                    let task = parts.tasks.get(task as usize);
+                    let task = parts.tasks.get(usize::from(task));
                     let task = task.and_then(|&task| self.system.tasks.get(task));
                     (task.and_then(|task| task.permanent), true)
                 }
                 Owner::Service(service) => {
-                    let service = parts.services.get(service as usize);
+                    let service = parts.services.get(usize::from(service));
                     let service = service.and_then(|&service| self.system.services.get(service));
                     (service.and_then(|service| service.slots.first().copied()), false)
                 }
@@ -218,7 +218,7 @@ impl<'s> Model<'s> {
             let Owner::Service(service) = site.codel.owner else {
                 return none;
             };
-            let service = parts.services.get(service as usize);
+            let service = parts.services.get(usize::from(service));
             let Some(&number) = service else { return none };
             let Some(service) = self.system.services.get(number) else { return none };
             let mut all = service.validate.iter().chain(&service.simple).copied();
@@ -316,11 +316,11 @@ impl<'s> Model<'s> {
         let (own, task) = match of.owner {
             Owner::Task(task) => (None, Some(task)),
             Owner::Service(service) => {
-                let service = member.component.services.get(service as usize);
+                let service = member.component.services.get(service);
                 (service, service.and_then(|service| service.task))
             }
         };
-        let task = task.and_then(|task| member.component.tasks.get(task as usize));
+        let task = task.and_then(|task| member.component.tasks.get(task));
         let all = member.component.throws.iter();
         let all = all.chain(own.iter().flat_map(|service| &service.throws));
         let mut all = all.chain(task.iter().flat_map(|task| &task.throws));

@@ -1,6 +1,6 @@
 //! The parts of a system with real codels.
 
-use dotgen_analysis::model::{Name, Param, PortDir, Remote, ServiceKind};
+use dotgen_analysis::model::{self, Name, Param, PortDir, Remote, ServiceKind};
 use dotgen_codegen::codels::value::{Values, is_input, is_output};
 use dotgen_timing::scn::names::{Member, Names};
 use dotgen_timing::system::settings::Settings;
@@ -43,7 +43,7 @@ pub struct HostedComponents<'s> {
     /// Stated execution times in nanoseconds, by codel.
     limits: TiVec<CodelId, Option<u64>>,
     /// Component and service, as in [`Names::components`], by service of the system.
-    pub(super) services: TiVec<ServiceId, (usize, u32)>,
+    pub(super) services: TiVec<ServiceId, (usize, model::ServiceId)>,
     /// Codels that copy the values of attributes, by service.
     pub(super) copies: TiVec<ServiceId, Option<u32>>,
     /// Inputs of requests by clients of the scenario, by service.
@@ -76,7 +76,7 @@ impl<'s> HostedComponents<'s> {
             functions: ti_vec![String::new(); system.codels.len()],
             declared: ti_vec![Vec::new(); system.codels.len()],
             limits: ti_vec![None; system.codels.len()],
-            services: ti_vec![(0, 0); system.services.len()],
+            services: ti_vec![(0, 0.into()); system.services.len()],
             copies: ti_vec![None; system.services.len()],
             inputs: ti_vec![Vec::new(); system.services.len()],
             feeds: Vec::new(),
@@ -113,9 +113,9 @@ impl<'s> HostedComponents<'s> {
         for (&(name, index), &service) in &built.services {
             let component = names.components[name].component;
             out.services[service] = (name, index);
-            let definition = &component.services[index as usize];
+            let definition = &component.services[index];
             if definition.kind == ServiceKind::Attribute {
-                let number = component.all_codels().count() + index as usize;
+                let number = component.all_codels().count() + usize::from(index);
                 out.copies[service] = u32::try_from(number).ok();
             }
             let values = Values::new(names.components[name].spec);
@@ -138,7 +138,7 @@ impl<'s> HostedComponents<'s> {
         let number = |name: usize| prepared.built.components.get(&name).copied();
         for (name, member) in names.components.iter().enumerate() {
             let Some(reader) = number(name) else { continue };
-            for (index, port) in (0u32..).zip(&member.component.ports) {
+            for (index, port) in member.component.ports.iter_enumerated() {
                 if port.dir == PortDir::Out {
                     continue;
                 }
@@ -147,7 +147,7 @@ impl<'s> HostedComponents<'s> {
                         continue;
                     };
                     let from = &names.components[other];
-                    let output = &from.component.ports[source as usize];
+                    let output = &from.component.ports[source];
                     let written = Values::new(from.spec).layout(output.data);
                     if written != Values::new(member.spec).layout(port.data) {
                         self.unlike.push(format!(
@@ -157,8 +157,8 @@ impl<'s> HostedComponents<'s> {
                         continue;
                     }
                     self.feeds.push(DataFlow {
-                        from: (writer, source),
-                        to: (reader, index),
+                        from: (writer, source.0),
+                        to: (reader, index.0),
                         multiple: port.multiple,
                     });
                 }
@@ -236,7 +236,11 @@ impl<'s> HostedComponents<'s> {
 
 /// Returns the component and service that a remote stands for: the only other component that is the interface
 /// or provides it. `None` also if the types of the parameters differ.
-fn provider(names: &Names<'_>, asking: usize, remote: &Remote) -> Option<(usize, u32)> {
+fn provider(
+    names: &Names<'_>,
+    asking: usize,
+    remote: &Remote,
+) -> Option<(usize, model::ServiceId)> {
     let own = &names.components[asking];
     let interface = &own.spec.components.get(remote.interface)?.name;
     let all = names.components.iter().enumerate();
@@ -249,7 +253,7 @@ fn provider(names: &Names<'_>, asking: usize, remote: &Remote) -> Option<(usize,
     if found.next().is_some() {
         return None;
     }
-    let mut services = (0u32..).zip(&member.component.services);
+    let mut services = member.component.services.iter_enumerated();
     let (number, service) = services.find(|service| service.1.name == remote.name)?;
     let shape = |spec, params: &[Param]| -> Vec<_> {
         let crosses = params.iter().filter(|param| is_input(param) || is_output(param));

@@ -79,7 +79,7 @@ impl Live<'_> {
         };
         let declared = self.system.services[service].builtin.is_none();
         if declared && self.alive[component] && self.parts.of(component).is_some() {
-            self.hosts.make(component, index, number, inputs);
+            self.hosts.make(component, index.0, number, inputs);
         }
         self.pending[component] = Some(Instance {
             wanted: wanted.map(|request| request.id),
@@ -108,7 +108,7 @@ impl Live<'_> {
                 self.copy(component, copies, instance.number);
             }
             outputs = if self.alive[component] {
-                self.hosts.end(component, index, instance.number)
+                self.hosts.end(component, index.0, instance.number)
             } else {
                 None
             };

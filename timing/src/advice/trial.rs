@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use dotgen_analysis::model::Seconds;
+use dotgen_analysis::model::{self, Seconds};
 
 use super::change::Change;
 use crate::explore::Limits;
@@ -232,9 +232,9 @@ impl<'t> Trial<'t> {
     }
 
     /// Returns the component of a task, as in [`Names::components`], and the index of the task there.
-    fn declared(&self, task: TaskId) -> Option<(usize, usize)> {
+    fn declared(&self, task: TaskId) -> Option<(usize, model::TaskId)> {
         let mut tasks = self.built.tasks.iter();
         let (declared, _) = tasks.find(|candidate| *candidate.1 == task)?;
-        Some((declared.component, declared.index as usize))
+        Some((declared.component, declared.index))
     }
 }

@@ -55,7 +55,7 @@ pub(crate) fn resolve(
         ));
     };
     let member = &names.components[c];
-    let port = &member.component.ports[p as usize];
+    let port = &member.component.ports[p];
     let port_path = format!("{}.{}", member.component.name, port.name);
     if port.dir == PortDir::In {
         let message = format!("`{port_path}` is an input; compare the output that it reads");

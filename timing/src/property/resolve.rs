@@ -99,7 +99,7 @@ fn atom(names: &Names, built: &Built, path: &Path) -> Result<Predicate, Diagnost
                 "idle" => TaskState::Idle,
                 "waiting" => TaskState::Waiting,
                 "running" => TaskState::Running,
-                "tick" if names.components[*c].component.tasks[*t as usize].period.is_some() => {
+                "tick" if names.components[*c].component.tasks[*t].period.is_some() => {
                     let task = built.tasks[&DeclaredTask { component: *c, index: *t }];
                     return Ok(Predicate::Atom(Atom::Tick(task)));
                 }
@@ -109,7 +109,7 @@ fn atom(names: &Names, built: &Built, path: &Path) -> Result<Predicate, Diagnost
         }
         Target::Service(c, s) => {
             let service = built.services[&(*c, *s)];
-            let kind = names.components[*c].component.services[*s as usize].kind;
+            let kind = names.components[*c].component.services[*s].kind;
             if kind == ServiceKind::Activity {
                 let status = match word {
                     "" => SlotStatus::Active,

@@ -56,7 +56,7 @@ impl Names<'_> {
                 (format!("component {}", component.name), meaning)
             }
             &Target::Task(c, t) => {
-                let task = &component(c).tasks[t as usize];
+                let task = &component(c).tasks[t];
                 let meaning = match &task.period {
                     Some(period) => format!("period {}", time(period)),
                     None => "aperiodic: runs whenever something is runnable in it".to_owned(),
@@ -64,23 +64,23 @@ impl Names<'_> {
                 (format!("task {}.{}", component(c).name, task.name), meaning)
             }
             &Target::Service(c, s) => {
-                let service = &component(c).services[s as usize];
+                let service = &component(c).services[s];
                 let kind = service.kind.word();
                 let tasks = &component(c).tasks;
-                let meaning = match service.task.and_then(|t| tasks.get(t as usize)) {
+                let meaning = match service.task.and_then(|t| tasks.get(t)) {
                     Some(task) => format!("runs in task `{}`", task.name),
                     None => "runs in the control task".to_owned(),
                 };
                 (format!("{kind} {}.{}", component(c).name, service.name), meaning)
             }
             &Target::Port(c, p) => {
-                let port = &component(c).ports[p as usize];
+                let port = &component(c).ports[p];
                 let dir = port.dir.word();
                 let form = format!("port {dir} {}.{}", component(c).name, port.name);
                 (form, "an output port is one lock for all that use it".to_owned())
             }
             Target::Member(c, p, path) => {
-                let port = &component(*c).ports[*p as usize];
+                let port = &component(*c).ports[*p];
                 let form = format!("{}.{}.{}", component(*c).name, port.name, path.join("."));
                 (form, "data of a port, which runs and recordings have".to_owned())
             }
@@ -119,11 +119,9 @@ impl Names<'_> {
         let member = |c: usize| (self.components[c].spec_index, self.components[c].component);
         let (c, src) = match target {
             &Target::Component(c) => (c, Some(member(c).1.src)),
-            &Target::Task(c, t) => (c, member(c).1.tasks.get(t as usize).map(|task| task.src)),
-            &Target::Service(c, s) => {
-                (c, member(c).1.services.get(s as usize).map(|service| service.src))
-            }
-            &Target::Port(c, p) => (c, member(c).1.ports.get(p as usize).map(|port| port.src)),
+            &Target::Task(c, t) => (c, member(c).1.tasks.get(t).map(|task| task.src)),
+            &Target::Service(c, s) => (c, member(c).1.services.get(s).map(|service| service.src)),
+            &Target::Port(c, p) => (c, member(c).1.ports.get(p).map(|port| port.src)),
             &Target::Member(c, ..) => {
                 (c, self.data_type(target).map(|ty| self.components[c].spec.ty(ty).src))
             }

@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use dotgen_analysis::model::{
-    CodelKind, Component, ComponentKind, Owner, ServiceKind, Spec, TypeId, TypeKind,
+    CodelKind, Component, ComponentKind, Owner, PortId, ServiceId, ServiceKind, Spec, TaskId,
+    TypeId, TypeKind,
 };
 use dotgen_syntax::suggestion::nearest;
 
@@ -34,17 +35,17 @@ pub struct Member<'a> {
 pub enum Target {
     Component(usize),
     /// A task: component, index.
-    Task(usize, u32),
+    Task(usize, TaskId),
     /// A service: component, index.
-    Service(usize, u32),
+    Service(usize, ServiceId),
     /// A port: component, index.
-    Port(usize, u32),
+    Port(usize, PortId),
     /// A member of the data of a port: component, index of the port, names of the members that lead to it.
-    Member(usize, u32, Vec<String>),
+    Member(usize, PortId, Vec<String>),
     /// A codel state: component, owner, index of the codel, name of the state.
     State(usize, Owner, u32, String),
     /// A codel of the control task: component, service, index of the codel.
-    Codel(usize, u32, u32),
+    Codel(usize, ServiceId, u32),
     /// A client of the scenario.
     Client(String),
     /// A step of a client: client, label or name of the service.
@@ -99,12 +100,12 @@ impl<'a> Names<'a> {
             return out;
         };
         let third = names.next();
-        let task = component.tasks.iter().position(|task| task.name == second);
-        let service = component.services.iter().position(|service| service.name == second);
-        let port = component.ports.iter().position(|port| port.name == second);
+        let task = component.tasks.position(|task| task.name == second);
+        let service = component.services.position(|service| service.name == second);
+        let port = component.ports.position(|port| port.name == second);
         // Tasks and services may share a name; the one with the requested state is meant.
         let has = |owner: Owner| third.is_some_and(|name| self.state(c, owner, name).is_some());
-        let owner = match (task.map(|t| t as u32), service.map(|s| s as u32)) {
+        let owner = match (task, service) {
             (Some(t), Some(s)) if has(Owner::Service(s)) && !has(Owner::Task(t)) => {
                 Some(Owner::Service(s))
             }
@@ -117,7 +118,7 @@ impl<'a> Names<'a> {
             (Some(Owner::Service(s)), _) => out.push(Target::Service(c, s)),
             (None, Some(p)) => {
                 let names = third.into_iter().chain(names);
-                self.follow_members((c, p as u32), names, &mut out);
+                self.follow_members((c, p), names, &mut out);
                 return out;
             }
             (None, None) => return out,
@@ -134,13 +135,13 @@ impl<'a> Names<'a> {
     /// Appends a port, and the members of its data.
     fn follow_members<'n>(
         &self,
-        (c, p): (usize, u32),
+        (c, p): (usize, PortId),
         names: impl Iterator<Item = &'n str>,
         out: &mut Vec<Target>,
     ) {
         out.push(Target::Port(c, p));
         let Member { spec, component, .. } = self.components[c];
-        let mut ty = component.ports[p as usize].data;
+        let mut ty = component.ports[p].data;
         let mut path = Vec::new();
         for name in names {
             let Some((_, member)) = members(spec, ty).find(|(member, _)| *member == name) else {
@@ -157,7 +158,7 @@ impl<'a> Names<'a> {
         let (&Target::Port(c, p) | &Target::Member(c, p, _)) = target else { return None };
         let path = if let Target::Member(_, _, path) = target { path } else { &Vec::new() };
         let Member { spec, component, .. } = self.components[c];
-        path.iter().try_fold(component.ports[p as usize].data, |ty, name| {
+        path.iter().try_fold(component.ports[p].data, |ty, name| {
             members(spec, ty).find(|(member, _)| member == name).map(|pair| pair.1)
         })
     }
@@ -180,9 +181,9 @@ impl<'a> Names<'a> {
     }
 
     /// Returns true if a service of a component is an activity.
-    pub(crate) fn is_activity(&self, c: usize, s: u32) -> bool {
+    pub(crate) fn is_activity(&self, c: usize, s: ServiceId) -> bool {
         let services = &self.components[c].component.services;
-        services[s as usize].kind == ServiceKind::Activity
+        services[s].kind == ServiceKind::Activity
     }
 
     /// Resolves a whole path.
@@ -253,13 +254,13 @@ impl<'a> Names<'a> {
             }
             Some(&Target::Component(c)) => {
                 let component = self.components[c].component;
-                for (i, task) in (0..).zip(&component.tasks) {
+                for (i, task) in component.tasks.iter_enumerated() {
                     out.push((task.name.to_string(), Target::Task(c, i)));
                 }
-                for (i, service) in (0..).zip(&component.services) {
+                for (i, service) in component.services.iter_enumerated() {
                     out.push((service.name.to_string(), Target::Service(c, i)));
                 }
-                for (i, port) in (0..).zip(&component.ports) {
+                for (i, port) in component.ports.iter_enumerated() {
                     out.push((port.name.to_string(), Target::Port(c, i)));
                 }
             }

@@ -14,7 +14,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use dotgen_analysis::model::{Owner, Seconds, Src};
+use dotgen_analysis::model::{self, Owner, Seconds, Src};
 use num_rational::Ratio;
 use typed_index_collections::TiVec;
 
@@ -148,11 +148,11 @@ pub(super) struct Builder<'b> {
     /// Places of the loop limits of machines, in the scenario.
     loop_rules: HashMap<MachineId, Range<usize>>,
     /// Numbers of slots of activities, if the scenario states them.
-    slots: HashMap<(usize, u32), u32>,
+    slots: HashMap<(usize, model::ServiceId), u32>,
     /// Numbers of activities of tasks, if the scenario states them.
-    places: HashMap<(usize, u32), u32>,
+    places: HashMap<(usize, model::TaskId), u32>,
     /// Cores of tasks, counted from 1, if the scenario states them.
-    affinity: HashMap<(usize, u32), u32>,
+    affinity: HashMap<(usize, model::TaskId), u32>,
     /// Codels without execution time.
     untimed: Vec<CodelId>,
     /// Times of files, see [`given_times`].
@@ -160,7 +160,7 @@ pub(super) struct Builder<'b> {
     /// Number of codels with a time from a file, by its name.
     timed_by: BTreeMap<&'b str, usize>,
     /// Services that some client requests.
-    requested: Vec<(usize, u32)>,
+    requested: Vec<(usize, model::ServiceId)>,
     out: Built,
 }
 

@@ -2,6 +2,7 @@
 
 use std::cmp::Ordering;
 
+use dotgen_analysis::model;
 use serde_json::{Number, Value};
 
 use crate::scn::ast::Operator;
@@ -12,7 +13,7 @@ use crate::system::ComponentId;
 pub struct DataFact {
     pub component: ComponentId,
     /// Port, by number in the model of the component.
-    pub port: u32,
+    pub port: model::PortId,
     /// `component.port`
     pub path: String,
     /// Names of the members that lead to the compared value.

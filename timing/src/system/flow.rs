@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use dotgen_analysis::model::{
-    CodelKind, Owner, Param, ParamDir, ParamSource, PathElement, PortDir,
+    CodelKind, Owner, Param, ParamDir, ParamSource, PathElement, PortDir, PortId, ServiceId,
 };
 use typed_index_collections::{TiSlice, TiVec};
 
@@ -40,10 +40,10 @@ pub(crate) struct FoundChain {
 /// The variable or port from which the paths of a place start.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 enum Root {
-    Port(usize, u32),
+    Port(usize, PortId),
     Ids(usize),
     /// A variable of a service: component, service, number.
-    Variable(usize, u32, u32),
+    Variable(usize, ServiceId, u32),
 }
 
 type Key = (Root, Vec<String>);
@@ -88,7 +88,7 @@ pub(crate) fn chain(
     }
     let (ways, more) = ways(&uses, &ends);
     let mut shared: BTreeMap<&Key, usize> = BTreeMap::new();
-    let mut local: BTreeMap<(usize, u32), Vec<&Key>> = BTreeMap::new();
+    let mut local: BTreeMap<(usize, ServiceId), Vec<&Key>> = BTreeMap::new();
     for key in &relevant {
         if let Root::Variable(c, s, _) = &key.0 {
             local.entry((*c, *s)).or_default().push(key);
@@ -154,7 +154,7 @@ struct Flow<'a> {
 
 impl Flow<'_> {
     /// Returns the port that holds the data of a named port: the port itself, or the output that feeds it.
-    fn source(&self, path: &Path) -> Result<(usize, u32), Diagnostic> {
+    fn source(&self, path: &Path) -> Result<(usize, PortId), Diagnostic> {
         let Target::Port(c, p) = self.names.resolve(path)? else {
             return Err(not_a("port", path));
         };
@@ -173,16 +173,16 @@ impl Flow<'_> {
         }
     }
 
-    fn port(&self, (c, p): (usize, u32)) -> String {
+    fn port(&self, (c, p): (usize, PortId)) -> String {
         let component = self.names.components[c].component;
-        format!("{}.{}", component.name, component.ports[p as usize].name)
+        format!("{}.{}", component.name, component.ports[p].name)
     }
 
-    fn is_input(&self, &(c, p): &(usize, u32)) -> bool {
-        self.names.components[c].component.ports[p as usize].dir == PortDir::In
+    fn is_input(&self, &(c, p): &(usize, PortId)) -> bool {
+        self.names.components[c].component.ports[p].dir == PortDir::In
     }
 
-    fn key(&self, &(c, p): &(usize, u32)) -> Key {
+    fn key(&self, &(c, p): &(usize, PortId)) -> Key {
         (Root::Port(c, p), Vec::new())
     }
 
@@ -250,17 +250,17 @@ impl Flow<'_> {
             param.path.iter().map(element).collect()
         };
         let Some((_, site)) = self.built.system.codels[id].site else {
-            let service = |s: &u32| {
+            let service = |s: &ServiceId| {
                 let number = self.built.services.get(&(c, *s));
                 number.is_some_and(|&service| {
                     self.built.system.services[service].simple.contains(&id)
                 })
             };
-            let mut services = 0..component.services.len() as u32;
+            let mut services = component.services.keys();
             let Some(s) = services.find(service) else {
                 return Vec::new();
             };
-            let params = (0..).zip(&component.services[s as usize].params);
+            let params = (0..).zip(&component.services[s].params);
             let copied = params.filter(|(_, param)| {
                 param.source == ParamSource::Ids
                     && matches!(param.dir, ParamDir::In | ParamDir::Inout)
@@ -299,7 +299,7 @@ impl Flow<'_> {
         uses: &mut TiSlice<CodelId, DataAccesses>,
     ) -> Result<(), Diagnostic> {
         let mut codels: BTreeMap<usize, BTreeSet<CodelId>> = BTreeMap::new();
-        let mut ports: BTreeMap<usize, BTreeSet<u32>> = BTreeMap::new();
+        let mut ports: BTreeMap<usize, BTreeSet<PortId>> = BTreeMap::new();
         for path in via {
             let target = self.names.resolve(path)?;
             if let Target::Port(c, p) = target {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
-use dotgen_analysis::model::{Owner, Seconds};
+use dotgen_analysis::model::{self, Owner, Seconds};
 
 use super::{Automaton, TimedSystem};
 use crate::diagnostic::{Diagnostic, Severity};
@@ -18,7 +18,7 @@ pub struct DeclaredTask {
     /// Component, as in [`Names::components`](crate::scn::names::Names::components).
     pub component: usize,
     /// Index in the component.
-    pub index: u32,
+    pub index: model::TaskId,
 }
 
 /// A system, with tables that find its parts.
@@ -28,7 +28,7 @@ pub struct Built {
     /// Tasks, by declaration.
     pub tasks: HashMap<DeclaredTask, TaskId>,
     /// Services, by component and index.
-    pub services: HashMap<(usize, u32), ServiceId>,
+    pub services: HashMap<(usize, model::ServiceId), ServiceId>,
     /// Machines of tasks and activities.
     pub machines: HashMap<(usize, Owner), MachineId>,
     /// Components, by index in the scenario.
@@ -78,7 +78,7 @@ pub enum MeasureEvent {
     Stale {
         component: ComponentId,
         /// Port, by number.
-        port: u32,
+        port: model::PortId,
         /// That time, in seconds.
         after: Seconds,
     },

@@ -1,7 +1,9 @@
 //! Mutual exclusion of codels (section 6): by data of a component, and by ports.
 
 use dotgen_analysis::model::mutex::{self, Excluded};
-use dotgen_analysis::model::{CodelKind, CodelRef, Component, Owner, ParamSource, PortDir};
+use dotgen_analysis::model::{
+    self, CodelKind, CodelRef, Component, Owner, ParamSource, PortDir, PortId,
+};
 use dotgen_analysis::phrase::Phrase;
 use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
@@ -13,7 +15,7 @@ use crate::scn::names::{Names, Target};
 use crate::scn::semantics::PortRule;
 
 /// An output port: component and index.
-type Port = (usize, u32);
+type Port = (usize, PortId);
 
 /// Fills in [`super::Codel::conflicts`].
 pub(crate) fn exclude_codels(
@@ -103,7 +105,7 @@ impl<'n> SharedPorts<'n> {
     pub fn of(&self, one: (usize, CodelRef), other: (usize, CodelRef)) -> Vec<String> {
         let path = |(c, p): Port| {
             let component = self.names.components[c].component;
-            format!("{}.{}", component.name, component.ports[p as usize].name)
+            format!("{}.{}", component.name, component.ports[p].name)
         };
         let mut out = Vec::new();
         for (used, lock) in port_locks(self.names, &self.connections, one) {
@@ -210,7 +212,7 @@ fn exclude_data(names: &Names, c: usize, live: &TiSlice<CodelId, bool>, out: &mu
         }
     }
     // An attribute: the control task accesses the data itself.
-    for s in 0..component.services.len() as u32 {
+    for s in component.services.keys() {
         let Some(&service) = out.services.get(&(c, s)) else {
             continue;
         };
@@ -242,7 +244,7 @@ fn tickets(names: &Names, c: usize, out: &mut Built) {
         let (_, codel) = out.system.codels[id].site?;
         Some((component.task_of(codel), &component.codel(codel).name))
     };
-    let copy_of = |s: u32, out: &Built| -> Option<CodelId> {
+    let copy_of = |s: model::ServiceId, out: &Built| -> Option<CodelId> {
         let service = &out.system.services[*out.services.get(&(c, s))?];
         let mut simple = service.simple.iter().copied();
         simple.find(|&codel| out.system.codels[codel].site.is_none())
@@ -266,7 +268,7 @@ fn tickets(names: &Names, c: usize, out: &mut Built) {
             }
         }
     }
-    for s in 0..component.services.len() as u32 {
+    for s in component.services.keys() {
         let Some(copy) = copy_of(s, out) else {
             continue;
         };
@@ -289,8 +291,8 @@ fn exempt(component: &Component, one: CodelRef, other: CodelRef) -> bool {
         return true;
     }
     let fsm = |codel: CodelRef| component.codel(codel).kind == CodelKind::Fsm;
-    let interrupts = |a: u32, b: u32| {
-        let list = &component.services[a as usize].interrupts;
+    let interrupts = |a: model::ServiceId, b: model::ServiceId| {
+        let list = &component.services[a].interrupts;
         list.all || list.services.contains(&b)
     };
     match (one.owner, other.owner) {
@@ -313,7 +315,7 @@ pub(super) fn connections(
     for (from, to) in &settings.connect {
         let port = |path, dir: PortDir| match names.resolve(path) {
             Ok(Target::Port(c, p)) => {
-                let port = &names.components[c].component.ports[p as usize];
+                let port = &names.components[c].component.ports[p];
                 if port.dir == dir {
                     Ok((c, p))
                 } else {
@@ -346,7 +348,7 @@ pub(super) fn connections(
 
 /// Returns the output ports that feed an input port: component (as in [`Names::components`]) and index. The
 /// locks of an input port are those of these outputs.
-pub fn sources(names: &Names, settings: &Settings, port: (usize, u32)) -> Vec<(usize, u32)> {
+pub fn sources(names: &Names, settings: &Settings, port: Port) -> Vec<Port> {
     let connections = connections(names, settings, &mut Vec::new());
     locks_of(names, &connections, port)
 }
@@ -354,7 +356,7 @@ pub fn sources(names: &Names, settings: &Settings, port: (usize, u32)) -> Vec<(u
 /// Returns the locks that the use of a port takes: an output port itself, or the outputs that feed an input
 /// port, by the scenario or by equal name.
 pub(super) fn locks_of(names: &Names, connections: &Connections, (c, p): Port) -> Vec<Port> {
-    let port = &names.components[c].component.ports[p as usize];
+    let port = &names.components[c].component.ports[p];
     if port.dir == PortDir::Out {
         return vec![(c, p)];
     }
@@ -364,7 +366,7 @@ pub(super) fn locks_of(names: &Names, connections: &Connections, (c, p): Port) -
     }
     let mut found = Vec::new();
     for (d, member) in names.components.iter().enumerate() {
-        for (q, other) in (0..).zip(&member.component.ports) {
+        for (q, other) in member.component.ports.iter_enumerated() {
             if d != c && other.dir == PortDir::Out && other.name == port.name {
                 found.push((d, q));
             }

@@ -41,7 +41,7 @@ impl Group<'_> {
         let period = || match check.what {
             What::Response(of, _) => {
                 let tasks = &self.names.components[of.component].component.tasks;
-                let task = &tasks[of.index as usize];
+                let task = &tasks[of.index];
                 let period = task.period.as_ref()?.value;
                 Some(Limit::Period(self.unit.from_seconds(period)))
             }
@@ -342,7 +342,7 @@ impl Group<'_> {
 
     fn task_name(&self, task: DeclaredTask) -> ThreadName {
         let component = self.names.components[task.component].component;
-        ThreadName::of_task(&component.name, &component.tasks[task.index as usize].name)
+        ThreadName::of_task(&component.name, &component.tasks[task.index].name)
     }
 }
 

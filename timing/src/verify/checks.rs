@@ -104,7 +104,7 @@ pub(super) fn expand<'c>(
     let mut out = Vec::new();
     let tasks = |path: &Option<Path>, periodic: bool| -> Result<Vec<DeclaredTask>, Diagnostic> {
         let has_period = |task: &DeclaredTask| {
-            names.components[task.component].component.tasks[task.index as usize].period.is_some()
+            names.components[task.component].component.tasks[task.index].period.is_some()
         };
         if let Some(path) = path {
             let task = resolve::task(names, path)?;
@@ -116,7 +116,7 @@ pub(super) fn expand<'c>(
             return Ok(vec![task]);
         }
         let all = names.components.iter().enumerate().flat_map(|(component, member)| {
-            let indices = 0..member.component.tasks.len() as u32;
+            let indices = member.component.tasks.keys();
             indices.map(move |index| DeclaredTask { component, index })
         });
         Ok(all.filter(|task| !periodic || has_period(task)).collect())

@@ -16,12 +16,12 @@ impl Elaborator<'_> {
         at: Src,
     ) {
         let with_locals = self.spec.release.has(Change::RemoteCallsWithoutLocals);
-        for number in 0..self.components[interface].services.len() {
+        for number in self.components[interface].services.keys() {
             let from = &self.spec.components[interface];
             let service = &from.services[number];
             let mut throws = from.throws.clone();
             if let Some(task) = service.task {
-                union(&mut throws, from.tasks[task as usize].throws.iter().copied());
+                union(&mut throws, from.tasks[task].throws.iter().copied());
             }
             union(&mut throws, service.throws.iter().copied());
             let remote = Remote {
@@ -36,7 +36,7 @@ impl Elaborator<'_> {
                     .collect(),
                 ty: TypeId(0),
                 interface,
-                service: number as u32,
+                service: number,
                 throws,
             };
             let def = self.components[interface].services[number].def;
@@ -45,7 +45,7 @@ impl Elaborator<'_> {
     }
 
     pub(super) fn import_remotes(&mut self, index: ComponentId, interface: ComponentId, at: Src) {
-        for number in 0..self.components[interface].remotes.len() {
+        for number in self.components[interface].remotes.keys() {
             let remote = self.spec.components[interface].remotes[number].clone();
             let def = self.components[interface].remotes[number];
             self.add_remote(index, remote, def, at);
@@ -55,7 +55,7 @@ impl Elaborator<'_> {
     fn add_remote(&mut self, index: ComponentId, mut remote: Remote, def: DefId, at: Src) {
         let state = &self.components[index];
         if let Some(&service) = state.service_by_name.get(&remote.name) {
-            let place = self.spec.components[index].services[service as usize].src;
+            let place = self.spec.components[index].services[service].src;
             self.report(
                 Finding::new(NameProblem::RemoteTaken { name: remote.name.clone() }, at)
                     .related(place, Role::Service)
@@ -70,7 +70,7 @@ impl Elaborator<'_> {
             self.add_refused_name(index, &remote.name);
             return;
         }
-        let number = self.spec.components[index].remotes.len() as u32;
+        let number = self.spec.components[index].remotes.next_key();
         let kind = TypeKind::Remote { component: index, remote: number };
         let ty = self.named(kind, scope, remote.name.clone(), remote.src);
         self.type_defs[ty.0 as usize] = Some(def);

@@ -9,7 +9,7 @@ use crate::{
         types::equal,
     },
     finding::{Finding, services::DeclarationProblem},
-    model::{ComponentId, Param, ParamDir, Service, ServiceKind, Src},
+    model::{ComponentId, Param, ParamDir, Service, ServiceId, ServiceKind, Src},
     release::Change,
 };
 
@@ -21,9 +21,9 @@ impl Elaborator<'_> {
         index: ComponentId,
         interface: ComponentId,
         at: Src,
-    ) -> Vec<(u32, u32)> {
+    ) -> Vec<(ServiceId, ServiceId)> {
         let mut pairs = Vec::new();
-        for number in 0..self.components[interface].services.len() {
+        for number in self.components[interface].services.keys() {
             let service = self.spec.components[interface].services[number].clone();
             if self.taken_by_other(index, &service.name, at) {
                 continue;
@@ -41,7 +41,7 @@ impl Elaborator<'_> {
                     .collect();
                 self.compare_params(index, own, &plain, at, Some(at));
                 self.merge_locals(index, own, &params, at);
-                let known = &mut self.spec.components[index].services[own as usize];
+                let known = &mut self.spec.components[index].services[own];
                 known.src = service.src;
                 own
             } else {
@@ -58,13 +58,13 @@ impl Elaborator<'_> {
                     self.push_param(index, own, param, def);
                 }
                 let paths = self.components[interface].services[number].paths.clone();
-                self.components[index].services[own as usize].paths = paths;
+                self.components[index].services[own].paths = paths;
                 own
             };
             self.import_service_properties(index, interface, number, own, &service, at);
             let codels = &self.components[interface].services[number].codels;
             self.import_states(index, codels.clone());
-            pairs.push((number as u32, own));
+            pairs.push((number, own));
         }
         pairs
     }
@@ -74,7 +74,7 @@ impl Elaborator<'_> {
         &mut self,
         index: ComponentId,
         interface: ComponentId,
-        number: usize,
+        number: ServiceId,
         service: &Service,
     ) -> Vec<(Param, DefId)> {
         let state = &self.components[interface].services[number];
@@ -104,12 +104,12 @@ impl Elaborator<'_> {
     fn merge_locals(
         &mut self,
         index: ComponentId,
-        service: u32,
+        service: ServiceId,
         params: &[(Param, DefId)],
         at: Src,
     ) {
         for (local, def) in params.iter().filter(|(param, _)| param.dir == ParamDir::Local) {
-            let known = &self.spec.components[index].services[service as usize];
+            let known = &self.spec.components[index].services[service];
             let old = known.params.iter().find(|param| param.name == local.name);
             let Some(old) = old else {
                 self.push_param(index, service, local.clone(), *def);
@@ -137,18 +137,18 @@ impl Elaborator<'_> {
         &mut self,
         index: ComponentId,
         interface: ComponentId,
-        number: usize,
-        own: u32,
+        number: ServiceId,
+        own: ServiceId,
         service: &Service,
         at: Src,
     ) {
         let theirs = self.components[interface].services[number].clone();
         let task = service.task.and_then(|task| {
-            let name = &self.spec.components[interface].tasks[task as usize].name;
+            let name = &self.spec.components[interface].tasks[task].name;
             self.components[index].task_by_name.get(name).copied()
         });
-        let to = &mut self.spec.components[index].services[own as usize];
-        let state = &mut self.components[index].services[own as usize];
+        let to = &mut self.spec.components[index].services[own];
+        let state = &mut self.components[index].services[own];
         if let Some(doc) = &service.doc {
             join_doc(&mut to.doc, doc);
         }

@@ -10,8 +10,8 @@ pub(super) fn tasks(names: &Names<'_, '_>, out: &mut Completions) {
     let Some(component) = names.component() else {
         return;
     };
-    for (i, task) in component.tasks.iter().enumerate() {
-        let definition = names.part(|c| Entity::Task(c, i as u32));
+    for (i, task) in component.tasks.iter_enumerated() {
+        let definition = names.part(|c| Entity::Task(c, i));
         if !names.is_above(definition) || !names.is_imported_above(task.imported_from) {
             continue;
         }

@@ -102,7 +102,7 @@ fn sources(names: &Names<'_, '_>, context: &Context, simple: bool) -> Vec<Source
             ambiguous: false,
         });
     }
-    for (i, port) in component.ports.iter().enumerate() {
+    for (i, port) in component.ports.iter_enumerated() {
         if !names.is_imported_above(port.imported_from) {
             continue;
         }
@@ -115,7 +115,7 @@ fn sources(names: &Names<'_, '_>, context: &Context, simple: bool) -> Vec<Source
             },
             ty: port.data,
             kind: SymbolKind::Port,
-            definition: names.part(|c| Entity::Port(c, i as u32)),
+            definition: names.part(|c| Entity::Port(c, i)),
             ambiguous: false,
         });
     }
@@ -462,7 +462,7 @@ fn members_of_codels(names: &Names<'_, '_>, context: &Context) -> Vec<SmolStr> {
     let (Some(component), [.., name]) = (names.component(), context.head(context.top())) else {
         return Vec::new();
     };
-    let mut services = (0..).zip(&component.services);
+    let mut services = component.services.iter_enumerated();
     let Some((service, _)) = services.find(|(_, service)| service.name == name.text) else {
         return Vec::new();
     };

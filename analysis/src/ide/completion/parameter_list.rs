@@ -3,7 +3,7 @@
 use super::names::{Names, qualifier};
 use crate::{
     ide::context::{BodyKind, Context, FrameKind, Word},
-    model::{Service, TypeId},
+    model::{Service, ServiceId, TypeId},
 };
 
 pub(super) const DIRECTIONS: &[&str] = &["in", "out", "inout"];
@@ -48,14 +48,13 @@ pub(in crate::ide) fn list_kind(context: &Context, frame: usize) -> Option<List>
 pub(in crate::ide) fn service_around<'a>(
     names: &Names<'a, '_>,
     context: &Context,
-) -> Option<(u32, &'a Service)> {
+) -> Option<(ServiceId, &'a Service)> {
     let (body, frame) = context.body();
     if !matches!(body, BodyKind::Attribute | BodyKind::Function | BodyKind::Activity) {
         return None;
     }
     let name = context.name_of(frame)?;
-    let all = names.component()?.services.iter();
-    let mut all = (0..).zip(all);
+    let mut all = names.component()?.services.iter_enumerated();
     all.find(|(_, service)| service.name == name)
 }
 

@@ -287,12 +287,12 @@ fn services(names: &Names<'_, '_>, used: &[Word], context: &Context, out: &mut C
     let behind: Vec<Word> = context.elements_behind().flatten().cloned().collect();
     let used = [used, &behind].concat();
     for (i, service) in
-        component.into_iter().flat_map(|component| component.services.iter().enumerate())
+        component.into_iter().flat_map(|component| component.services.iter_enumerated())
     {
         if used.iter().any(|word| word.text == service.name) {
             continue;
         }
-        let definition = names.part(|c| Entity::Service(c, i as u32));
+        let definition = names.part(|c| Entity::Service(c, i));
         let kind = SymbolKind::from(service.kind);
         let item = out.add(service.name.as_str(), CompletionKind::Symbol(kind), 0);
         item.definition = definition;

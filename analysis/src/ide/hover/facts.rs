@@ -89,7 +89,7 @@ pub(super) fn component_of<'e>(
 fn task(component: &Component, name: &str) -> Vec<Fact> {
     let mut out = Vec::new();
     let Some((index, task)) =
-        (0..).zip(&component.tasks).find(|(_, number)| number.name.as_str() == name)
+        component.tasks.iter_enumerated().find(|(_, number)| number.name.as_str() == name)
     else {
         return out;
     };
@@ -110,8 +110,9 @@ fn task(component: &Component, name: &str) -> Vec<Fact> {
 }
 
 fn service(component: &Component, name: &str) -> Vec<Fact> {
-    let index = (0..)
-        .zip(&component.services)
+    let index = component
+        .services
+        .iter_enumerated()
         .find_map(|(index, service)| (service.name.as_str() == name).then_some(index));
     let names_it =
         |list: &ServiceList| list.all || index.is_some_and(|index| list.services.contains(&index));
@@ -144,7 +145,7 @@ fn codel(spec: &Spec, component: &Component, name: &str) -> Vec<Fact> {
             out.push(about(format!("{owner}: {word}")));
         }
         if let (Some(wcet), Some(task)) = (&codel.wcet, component.task_of(usage))
-            && let Some(period) = &component.tasks[task as usize].period
+            && let Some(period) = &component.tasks[task].period
             && period.value > Seconds::from_integer(0)
         {
             out.push(about(format!(
@@ -193,7 +194,7 @@ fn exclusions(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<String
         let name = match exclusion.with {
             Excluded::Codel(other) => format!("`{}`", component.codel(other).name),
             Excluded::Service(other) => {
-                format!("attribute `{}`", component.services[other as usize].name)
+                format!("attribute `{}`", component.services[other].name)
             }
         };
         // Counted once, as in lenses.

@@ -2,7 +2,7 @@
 //!
 //! A codel may leave the writing to another one, so a port is reported only if none of its codels can write.
 
-use dotgen_analysis::model::{ParamDir, ParamSource, PortDir};
+use dotgen_analysis::model::{ParamDir, ParamSource, PortDir, PortId};
 
 use super::finding::Difference;
 use super::{Check, Drift, DriftOptions, FunctionIn};
@@ -21,7 +21,7 @@ pub(super) fn check(
     if sources.incomplete {
         return;
     }
-    for (index, port) in (0u32..).zip(&expected.component().ports) {
+    for (index, port) in expected.component().ports.iter_enumerated() {
         if port.dir == PortDir::Out {
             out.extend(unwritten(expected, sources, options, index).unwrap_or_default());
         }
@@ -33,7 +33,7 @@ fn unwritten(
     expected: &Expected<'_>,
     sources: &Sources,
     options: &DriftOptions,
-    port: u32,
+    port: PortId,
 ) -> Option<Vec<Drift>> {
     let component = expected.component();
     let mut out = Vec::new();
@@ -57,7 +57,7 @@ fn unwritten(
             }
             let kind = Difference::UnwrittenPort {
                 function: function.name.clone(),
-                port: component.ports[port as usize].name.clone(),
+                port: component.ports[port].name.clone(),
                 component: component.name.clone(),
             };
             let source = at.map(|parameter| found.at(parameter.span.clone()));
@@ -71,7 +71,7 @@ fn unwritten(
 fn positions(
     expected: &Expected<'_>,
     function: &ExpectedFunction,
-    port: u32,
+    port: PortId,
 ) -> Option<Vec<usize>> {
     let of_codel = |codel: &dotgen_analysis::model::CodelRef| -> Vec<usize> {
         let params = expected.component().codel(*codel).params.iter().enumerate();

@@ -24,7 +24,7 @@ impl Glue<'_, '_> {
                 \x20   if (it->instance == instance) params = &it->params;\n\
                 \x20 pthread_mutex_unlock(&glue_mutex);\n  return params;\n}\n";
         let (mut make, mut end) = (String::new(), String::new());
-        for (at, service) in component.services.iter().enumerate() {
+        for (at, service) in component.services.iter_enumerated() {
             _ = write!(out, "\nstruct glue_s{at} {{\n  char none;\n");
             let (mut load, mut save) = (String::new(), String::new());
             for (index, param) in service.params.iter().enumerate() {
@@ -103,7 +103,7 @@ impl Glue<'_, '_> {
             _ = writeln!(cases, "  case {number}: glue_codel_{number}(instance, out); break;");
             number += 1;
         }
-        for (at, service) in component.services.iter().enumerate() {
+        for (at, service) in component.services.iter_enumerated() {
             if service.kind == ServiceKind::Attribute {
                 let mut copies = String::new();
                 for (index, param) in service.params.iter().enumerate() {

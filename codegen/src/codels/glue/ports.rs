@@ -1,6 +1,6 @@
 //! Ports: the `port` arguments of codels, and the places of their data. Remote services.
 
-use dotgen_analysis::model::{Port, PortDir, Remote, TypeKind};
+use dotgen_analysis::model::{Port, PortDir, PortId, Remote, RemoteId, TypeKind};
 use std::fmt::Write as _;
 
 use super::Glue;
@@ -11,18 +11,18 @@ impl Glue<'_, '_> {
     pub(super) fn ports(&self) -> LangResult {
         let component = self.expected.component();
         let mut out = String::new();
-        for (at, port) in component.ports.iter().enumerate() {
+        for (at, port) in component.ports.iter_enumerated() {
             out += &self.port_data(at, port)?;
             out += &if self.is_cxx() { self.port_cxx(at, port)? } else { self.port_c(at, port)? };
         }
-        for (at, remote) in component.remotes.iter().enumerate() {
+        for (at, remote) in component.remotes.iter_enumerated() {
             out += &self.remote(at, remote)?;
         }
         out += "\nGLUE_C GLUE_EXPORT const struct glue_board *\n\
                 dotgen_glue_share(uint32_t port, const char *id, const struct glue_board *board)\n{\n\
                 \x20 const struct glue_board *before = board;\n  (void)id;\n  pthread_mutex_lock(&glue_mutex);\n\
                 \x20 switch (port) {\n";
-        for (at, port) in component.ports.iter().enumerate() {
+        for (at, port) in component.ports.iter_enumerated() {
             if port.dir == PortDir::In {
                 _ = writeln!(
                     out,
@@ -35,7 +35,7 @@ impl Glue<'_, '_> {
     }
 
     /// The data of a port, and of each of its instances by name.
-    fn port_data(&self, at: usize, port: &Port) -> LangResult {
+    fn port_data(&self, at: PortId, port: &Port) -> LangResult {
         let ty = self.known(port.data)?;
         let make = if self.is_cxx() {
             format!("new glue_inst_{at}()")
@@ -57,7 +57,7 @@ impl Glue<'_, '_> {
     }
 
     /// The function that reads the newest data of an input, or the one that reports the write of an output.
-    fn moves(&self, at: usize, port: &Port) -> LangResult {
+    fn moves(&self, at: PortId, port: &Port) -> LangResult {
         let ty = self.known(port.data)?;
         Ok(match port.dir {
             PortDir::In => format!(
@@ -91,7 +91,7 @@ impl Glue<'_, '_> {
         })
     }
 
-    fn port_c(&self, at: usize, port: &Port) -> LangResult {
+    fn port_c(&self, at: PortId, port: &Port) -> LangResult {
         let name = self.mapper.declarator(port.ty, "")?;
         let (arguments, id) = if port.multiple {
             ("const char *id, genom_context self", "id")
@@ -138,7 +138,7 @@ impl Glue<'_, '_> {
         Ok(out)
     }
 
-    fn port_cxx(&self, at: usize, port: &Port) -> LangResult {
+    fn port_cxx(&self, at: PortId, port: &Port) -> LangResult {
         let name = self.mapper.type_cname(port.ty)?;
         let data = self.mapper.return_value(port.data, PassingMode::Reference, "")?;
         let (arguments, id) =
@@ -174,7 +174,7 @@ impl Glue<'_, '_> {
     }
 
     /// A call of a service of another component, which the engine forwards; the codel waits.
-    fn remote(&self, at: usize, remote: &Remote) -> LangResult {
+    fn remote(&self, at: RemoteId, remote: &Remote) -> LangResult {
         let name = self.mapper.declarator(remote.ty, "")?;
         let arguments = self.mapper.remote_arguments(remote)?.join(", ");
         let (mut save, mut load) = (String::new(), String::new());
@@ -228,7 +228,7 @@ impl Glue<'_, '_> {
 }
 
 /// The statement of a call of a port. `fails` ends a call with an instance that is not open.
-fn moved(call: &str, at: usize, port: &Port, fails: &str) -> String {
+fn moved(call: &str, at: PortId, port: &Port, fails: &str) -> String {
     let id = if port.multiple { "id" } else { "\"\"" };
     if port.multiple && matches!(call, "write" | "close") {
         format!("if (!glue_{call}_{at}({id})) {fails}")

@@ -102,7 +102,7 @@ impl Glue<'_, '_> {
                 Ok(format!("    glue_keep_{of}(&{variable});\n"))
             }
             ParamSource::Port(at) => {
-                let port = &self.expected.component().ports[at as usize];
+                let port = &self.expected.component().ports[at];
                 if port.dir != PortDir::Out || !self.owns(port.data) {
                     return Ok(String::new());
                 }

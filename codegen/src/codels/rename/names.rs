@@ -186,8 +186,8 @@ impl Names {
             return Err(MissingNames::Structure);
         }
         use dotgen_analysis::model::Owner;
-        let tasks = (0..old.tasks.len() as u32).map(Owner::Task);
-        let services = (0..old.services.len() as u32).map(Owner::Service);
+        let tasks = old.tasks.keys().map(Owner::Task);
+        let services = old.services.keys().map(Owner::Service);
         for owner in tasks.chain(services) {
             let (from, to) = (owner_words(old, owner).1, owner_words(new, owner).1);
             if from != to {

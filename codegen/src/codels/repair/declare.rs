@@ -27,9 +27,7 @@ impl Repairs<'_> {
     /// The task or service whose braces contain an offset.
     pub fn owner_at(&self, path: &Utf8Path, offset: usize) -> Option<Owner> {
         let component = self.expected.component();
-        let tasks = (0..component.tasks.len()).map(|task| Owner::Task(task as u32));
-        let services = (0..component.services.len()).map(|service| Owner::Service(service as u32));
-        tasks.chain(services).find(|task| {
+        component.owners().find(|task| {
             let found = self.body(*task);
             found.is_some_and(|(at, body)| {
                 at.path == path && body.start <= offset && offset <= body.end
@@ -63,9 +61,7 @@ impl Repairs<'_> {
         }
         let machine = match owner {
             Owner::Task(_) => true,
-            Owner::Service(service) => {
-                component.services[service as usize].kind == ServiceKind::Activity
-            }
+            Owner::Service(service) => component.services[service].kind == ServiceKind::Activity,
         };
         if !machine {
             return Some(format!("codel {name}({parameters});"));
@@ -151,8 +147,8 @@ impl Repairs<'_> {
     fn owner_of(&self, function: &Function, path: &Utf8Path) -> Option<Owner> {
         let component = self.expected.component();
         let task = |name: &str| {
-            let found = component.tasks.iter().position(|task| task.name == name)?;
-            Some(Owner::Task(found as u32))
+            let found = component.tasks.position(|task| task.name == name)?;
+            Some(Owner::Task(found))
         };
         if let Some(comment) =
             function.comments.iter().find_map(|comment| comment.generated.as_ref())
@@ -160,9 +156,8 @@ impl Repairs<'_> {
             if comment.owner_kind == "task" {
                 return task(&comment.owner);
             }
-            let mut services = component.services.iter();
-            let found = services.position(|service| service.name == comment.owner)?;
-            return Some(Owner::Service(found as u32));
+            let found = component.services.position(|service| service.name == comment.owner)?;
+            return Some(Owner::Service(found));
         }
         let stem = path.file_stem()?.strip_prefix(component.name.as_str())?;
         task(stem.strip_prefix('_')?.strip_suffix("_codels")?)
@@ -192,7 +187,7 @@ impl Repairs<'_> {
             );
         let dir = if written { "inout" } else { "in" };
         if let Owner::Service(service) = owner {
-            let mut params = component.services[service as usize].params.iter();
+            let mut params = component.services[service].params.iter();
             if params.any(|param| param.name == name) {
                 return Some(format!("{dir} {name}"));
             }

@@ -109,11 +109,11 @@ impl Repairs<'_> {
         let component = self.expected.component();
         let (src, name) = match owner {
             Owner::Task(index) => {
-                let task = &component.tasks[index as usize];
+                let task = &component.tasks[index];
                 (task.src, &task.name)
             }
             Owner::Service(index) => {
-                let service = &component.services[index as usize];
+                let service = &component.services[index];
                 (service.src, &service.name)
             }
         };

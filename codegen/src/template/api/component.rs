@@ -78,16 +78,14 @@ pub(super) fn call(
         "clock-rate" => component.clock_rate.as_ref().map(|rate| model.type_handle(rate.ty)),
         "stack" => component.stack.as_ref().map(|stack| model.type_handle(stack.ty)),
         "throws" => Some(model.type_list(component_throws(component))),
-        "tasks" => {
-            Some(model.list((0..component.tasks.len() as u32).map(|at| Object::Task(index, at))))
-        }
+        "tasks" => Some(model.list(component.tasks.keys().map(|at| Object::Task(index, at)))),
         "ports" => Some(ports(model, index, arguments)?),
         "services" => {
-            let services = 0..component.services.len() as u32;
+            let services = component.services.keys();
             Some(model.list(services.map(|at| Object::Service(index, at))))
         }
         "remotes" => {
-            let remotes = 0..component.remotes.len() as u32;
+            let remotes = component.remotes.keys();
             Some(model.list(remotes.map(|at| Object::Remote(index, at))))
         }
         "codels" => Some(codels(model, index, arguments)?),
@@ -110,7 +108,7 @@ pub(super) fn call(
 fn ports(model: &Model<'_>, index: ComponentId, filters: &[String]) -> AnswerResult {
     const WORDS: &[&str] = &["in", "out", "simple", "multiple"];
     let mut kept = Vec::new();
-    for (at, port) in model.spec.component(index).ports.iter().enumerate() {
+    for (at, port) in model.spec.component(index).ports.iter_enumerated() {
         let mut keep = true;
         for filter in filters {
             keep &= match WORDS[find(WORDS, filter, "filter")?] {
@@ -120,7 +118,7 @@ fn ports(model: &Model<'_>, index: ComponentId, filters: &[String]) -> AnswerRes
             };
         }
         if keep {
-            kept.push(Object::Port(index, at as u32));
+            kept.push(Object::Port(index, at));
         }
     }
     Ok(model.list(kept))

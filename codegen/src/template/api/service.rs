@@ -1,6 +1,6 @@
 //! Methods of services and remotes.
 
-use dotgen_analysis::model::{CodelKind, CodelRef, ComponentId, Owner};
+use dotgen_analysis::model::{CodelKind, CodelRef, ComponentId, Owner, RemoteId, ServiceId};
 
 use super::{
     Answer, AnswerResult, CODEL_KINDS, Model, codel_kind_word, dir_matches, find, method, text,
@@ -57,7 +57,7 @@ const DIRECTIONS: &[&str] = &["local", "in", "out", "inout"];
 pub(super) fn service(
     model: &Model<'_>,
     component: ComponentId,
-    index: u32,
+    index: ServiceId,
     words: &[String],
 ) -> AnswerResult {
     let service = model.spec.service(component, index);
@@ -129,7 +129,7 @@ pub(super) fn service(
 pub(super) fn remote(
     model: &Model<'_>,
     component: ComponentId,
-    index: u32,
+    index: RemoteId,
     words: &[String],
 ) -> AnswerResult {
     let remote = model.spec.remote(component, index);

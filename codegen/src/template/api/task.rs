@@ -1,6 +1,6 @@
 //! Methods of tasks and ports.
 
-use dotgen_analysis::model::{CodelKind, CodelRef, ComponentId, Owner};
+use dotgen_analysis::model::{CodelKind, CodelRef, ComponentId, Owner, PortId, TaskId};
 
 use super::{Answer, AnswerResult, Model, method, port_kind, text, undefined, wrong_args};
 use crate::lang::Anchor;
@@ -30,7 +30,7 @@ pub(super) const PORT_METHODS: &[&str] =
 pub(super) fn task(
     model: &Model<'_>,
     component: ComponentId,
-    index: u32,
+    index: TaskId,
     words: &[String],
 ) -> AnswerResult {
     let task = model.spec.task(component, index);
@@ -57,9 +57,9 @@ pub(super) fn task(
         "scheduling" => task.real_time.then(|| Answer::pure("real-time".into())),
         "stack" => quantity(&task.stack),
         "services" => {
-            let services = model.spec.component(component).services.iter().enumerate();
+            let services = model.spec.component(component).services.iter_enumerated();
             let own = services.filter(|(_, service)| service.task == Some(index));
-            Some(model.list(own.map(|(at, _)| Object::Service(component, at as u32))))
+            Some(model.list(own.map(|(at, _)| Object::Service(component, at))))
         }
         "codels" => {
             let codels = task.codels.iter().enumerate();
@@ -84,7 +84,7 @@ pub(super) fn task(
 pub(super) fn port(
     model: &Model<'_>,
     component: ComponentId,
-    index: u32,
+    index: PortId,
     words: &[String],
 ) -> AnswerResult {
     let port = model.spec.port(component, index);

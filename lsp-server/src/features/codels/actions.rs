@@ -206,8 +206,8 @@ impl Work<'_> {
             }
             for owner in component.owners() {
                 let src = match owner {
-                    Owner::Task(task) => component.tasks[task as usize].src,
-                    Owner::Service(service) => component.services[service as usize].src,
+                    Owner::Task(task) => component.tasks[task].src,
+                    Owner::Service(service) => component.services[service].src,
                 };
                 let of_owner = repairs.missing_codels_of(owner);
                 if selected(src) && !of_owner.is_empty() {

@@ -98,7 +98,7 @@ impl<'f> Finder<'f> {
                     }
                     (PathKind::Port, Target::Port(..)) => true,
                     (PathKind::Input | PathKind::Output, &Target::Port(c, p)) => {
-                        let port = &self.names.components[c].component.ports[p as usize];
+                        let port = &self.names.components[c].component.ports[p];
                         (port.dir == PortDir::In) == (wanted == PathKind::Input)
                     }
                     (PathKind::Codel, Target::Task(..) | Target::Service(..)) => {
@@ -157,7 +157,7 @@ impl<'f> Finder<'f> {
             for (label, target) in self.names.after(target) {
                 // Outputs have data to compare.
                 let is_input = matches!(target, Target::Port(c, p)
-                    if self.names.components[c].component.ports[p as usize].dir == PortDir::In);
+                    if self.names.components[c].component.ports[p].dir == PortDir::In);
                 let is_data = matches!(target, Target::Port(..) | Target::Member(..));
                 let has_value = self.operators(&target).is_some()
                     || !self.names.after(Some(&target)).is_empty();

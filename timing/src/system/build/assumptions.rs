@@ -118,7 +118,7 @@ impl Builder<'_> {
         let mut ordered: Vec<String> = Vec::new();
         for &(c, s) in &self.requested {
             let component = self.names.components[c].component;
-            let service = &component.services[s as usize];
+            let service = &component.services[s];
             let mut lists = [&service.before, &service.after].into_iter();
             let path = format!("{}.{}", component.name, service.name);
             if lists.any(|service_list| service_list.all || !service_list.services.is_empty())

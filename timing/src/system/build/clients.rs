@@ -1,7 +1,7 @@
 //! Clients, and the services that they request.
 
 use crate::system::CodelSet;
-use dotgen_analysis::model::PortDir;
+use dotgen_analysis::model::{self, PortDir};
 use num_rational::Ratio;
 use typed_index_collections::{TiSlice, ti_vec};
 
@@ -202,8 +202,7 @@ impl Builder<'_> {
             },
             TriggerKind::Stale => match self.names.resolve(path)? {
                 Target::Port(c, port)
-                    if self.names.components[c].component.ports[port as usize].dir
-                        == PortDir::Out =>
+                    if self.names.components[c].component.ports[port].dir == PortDir::Out =>
                 {
                     let Some(&component) = self.out.components.get(&c) else { return Ok(None) };
                     let (count, unit) = trigger.after.unwrap_or((0, Unit::Seconds));
@@ -253,7 +252,7 @@ impl Builder<'_> {
         }
     }
 
-    fn named_service(&self, path: &Path) -> Result<(usize, u32), Diagnostic> {
+    fn named_service(&self, path: &Path) -> Result<(usize, model::ServiceId), Diagnostic> {
         match self.names.resolve(path)? {
             Target::Service(c, s) => Ok((c, s)),
             _ => Err(not_a("service", path)),

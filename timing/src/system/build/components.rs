@@ -1,7 +1,7 @@
 //! Components: their tasks, their services, and the order and interruptions between services.
 
 use dotgen_analysis::model::{
-    CodelKind, Owner, Param, ParamSource, Seconds, ServiceKind, ServiceList,
+    self, CodelKind, Owner, Param, ParamSource, Seconds, ServiceKind, ServiceList,
 };
 use num_rational::Ratio;
 
@@ -27,7 +27,7 @@ impl Builder<'_> {
 
     fn tasks(&mut self, c: usize, number: ComponentId) {
         let component = self.names.components[c].component;
-        for (t, task) in (0..).zip(&component.tasks) {
+        for (t, task) in component.tasks.iter_enumerated() {
             let path = format!("{}.{}", component.name, task.name);
             let src = task.period.as_ref().map_or(task.src, |period| period.src);
             let period_of = self.time_of_task("period", &path, self.place(c, src, "the period"));
@@ -73,9 +73,9 @@ impl Builder<'_> {
 
     /// Reports clock rates that the ROS server rounds: it divides times in floating point and truncates the
     /// result.
-    fn check_ticks(&mut self, c: usize, t: u32, path: &str) {
+    fn check_ticks(&mut self, c: usize, t: model::TaskId, path: &str) {
         let component = self.names.components[c].component;
-        let task = &component.tasks[t as usize];
+        let task = &component.tasks[t];
         let Some(rate) = &component.clock_rate else {
             return;
         };
@@ -106,7 +106,7 @@ impl Builder<'_> {
 
     fn services(&mut self, c: usize, number: ComponentId) {
         let component = self.names.components[c].component;
-        for (s, service) in (0..).zip(&component.services) {
+        for (s, service) in component.services.iter_enumerated() {
             let path = format!("{}.{}", component.name, service.name);
             let owner = Owner::Service(s);
             let activity = service.kind == ServiceKind::Activity;
@@ -180,12 +180,10 @@ impl Builder<'_> {
         let counts = self.settings.order();
         for &c in included {
             let component = self.names.components[c].component;
-            for (s, service) in (0..).zip(&component.services) {
+            for (s, service) in component.services.iter_enumerated() {
                 let listed = |list: &ServiceList, itself: bool| -> Vec<ServiceId> {
-                    let all = (0..component.services.len() as u32)
-                        .filter(|&service| itself || service != s);
-                    let list: Vec<u32> =
-                        if list.all { all.collect() } else { list.services.clone() };
+                    let all = component.services.keys().filter(|&service| itself || service != s);
+                    let list: Vec<_> = if list.all { all.collect() } else { list.services.clone() };
                     let known =
                         list.iter().filter_map(|service| self.out.services.get(&(c, *service)));
                     known.copied().collect()

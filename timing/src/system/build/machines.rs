@@ -1,6 +1,6 @@
 //! State machines, and codels in their places of use.
 
-use dotgen_analysis::model::{Codel as ModelCodel, CodelKind, CodelRef, Owner, Seconds};
+use dotgen_analysis::model::{Codel as ModelCodel, CodelKind, CodelRef, Owner, Seconds, ServiceId};
 
 use super::Builder;
 use super::times::TimeOf;
@@ -120,10 +120,10 @@ impl Builder<'_> {
         &mut self,
         c: usize,
         number: ComponentId,
-        s: u32,
+        s: ServiceId,
         path: &str,
     ) -> CodelId {
-        let service = &self.names.components[c].component.services[s as usize];
+        let service = &self.names.components[c].component.services[s];
         self.note_rounding((c, Owner::Service(s), u32::MAX, ""), None, path);
         let times = self.duration(c, Owner::Service(s), u32::MAX, "", None);
         let given = self

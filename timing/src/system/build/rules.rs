@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use dotgen_analysis::model::Owner;
+use dotgen_analysis::model::{Owner, TaskId};
 
 use super::Builder;
 use crate::diagnostic::Diagnostic;
@@ -31,7 +31,7 @@ impl Builder<'_> {
         }
     }
 
-    pub(super) fn idle_rule(&mut self, c: usize, t: u32) -> bool {
+    pub(super) fn idle_rule(&mut self, c: usize, t: TaskId) -> bool {
         let mut keep = false;
         for (rule, path) in &self.settings.idle {
             match path {
@@ -96,11 +96,11 @@ impl Builder<'_> {
     /// Returns true if an owner of codels, its task or its component declares exceptions.
     fn declares_exceptions(&self, c: usize, owner: Owner) -> bool {
         let component = self.names.components[c].component;
-        let of_task = |t: u32| !component.tasks[t as usize].throws.is_empty();
+        let of_task = |t: TaskId| !component.tasks[t].throws.is_empty();
         let own = match owner {
             Owner::Task(t) => of_task(t),
             Owner::Service(s) => {
-                let service = &component.services[s as usize];
+                let service = &component.services[s];
                 !service.throws.is_empty() || service.task.is_some_and(of_task)
             }
         };

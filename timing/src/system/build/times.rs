@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use dotgen_analysis::model::{Codel as ModelCodel, CodelKind, Owner, Seconds, ServiceKind};
+use dotgen_analysis::model::{Codel as ModelCodel, CodelKind, Owner, Seconds, ServiceKind, TaskId};
 use dotgen_analysis::quantity;
 use num_rational::Ratio;
 
@@ -29,7 +29,7 @@ impl<'b> Builder<'b> {
                 Ok(Target::State(c, owner, index, state)) => (c, owner, index, state),
                 Ok(Target::Codel(c, s, index)) => (c, Owner::Service(s), index, String::new()),
                 Ok(Target::Service(c, s))
-                    if self.names.components[c].component.services[s as usize].kind
+                    if self.names.components[c].component.services[s].kind
                         == ServiceKind::Attribute =>
                 {
                     (c, Owner::Service(s), u32::MAX, String::new())
@@ -56,7 +56,7 @@ impl<'b> Builder<'b> {
         let mut times = Vec::new();
         for &c in included {
             let component = self.names.components[c].component;
-            for t in 0..component.tasks.len() as u32 {
+            for t in component.tasks.keys() {
                 times.extend(self.delay(c, t));
                 times.extend(self.period(c, t));
             }
@@ -74,7 +74,7 @@ impl<'b> Builder<'b> {
                     add("");
                 }
             }
-            for s in 0..component.services.len() as u32 {
+            for s in component.services.keys() {
                 let (a, b) = self.duration(c, Owner::Service(s), u32::MAX, "", None);
                 times.push(a);
                 times.extend(b);
@@ -224,25 +224,22 @@ impl<'b> Builder<'b> {
         }
     }
 
-    pub(super) fn period(&self, c: usize, t: u32) -> Option<Seconds> {
+    pub(super) fn period(&self, c: usize, t: TaskId) -> Option<Seconds> {
         if let Some((path, period)) = &self.settings.period
             && self.names.resolve(path) == Ok(Target::Task(c, t))
         {
             return Some(*period);
         }
-        self.names.components[c].component.tasks[t as usize]
-            .period
-            .as_ref()
-            .map(|period| period.value)
+        self.names.components[c].component.tasks[t].period.as_ref().map(|period| period.value)
     }
 
-    pub(super) fn delay(&self, c: usize, t: u32) -> Option<Seconds> {
+    pub(super) fn delay(&self, c: usize, t: TaskId) -> Option<Seconds> {
         if let Some((path, delay)) = &self.settings.delay
             && self.names.resolve(path) == Ok(Target::Task(c, t))
         {
             return Some(*delay);
         }
-        let task = &self.names.components[c].component.tasks[t as usize];
+        let task = &self.names.components[c].component.tasks[t];
         task.delay.as_ref().map(|delay| delay.value)
     }
 

@@ -117,7 +117,7 @@ pub(crate) enum Datum {
     Port(String, String),
     Member(String, String),
     /// A parameter of a service, by number.
-    Variable(String, u32, u32),
+    Variable(String, model::ServiceId, u32),
 }
 
 fn millis(time: Seconds) -> u32 {
@@ -238,7 +238,7 @@ impl Reader<'_> {
         let params = component.codel(at).params.iter();
         let data = |param: &model::Param| match (param.source, at.owner) {
             (model::ParamSource::Port(p), _) => {
-                let port = &component.ports[p as usize];
+                let port = &component.ports[p];
                 self.sources(component, port)
             }
             (model::ParamSource::Ids, _) => vec![member(&name, param)],
@@ -299,7 +299,7 @@ impl Reader<'_> {
             let codel = component.codel(at);
             let upper = codel.wcet.as_ref().map_or(0, |wcet| millis(wcet.value));
             let executed = |at: CodelRef| {
-                let task = component.task_of(at).map(|task| task as usize);
+                let task = component.task_of(at).map(usize::from);
                 (task, component.codel(at).name.to_string())
             };
             let list = mutex::exclusions(spec, component, at).into_iter();
@@ -315,7 +315,7 @@ impl Reader<'_> {
                     .collect(),
                 ports: (codel.params.iter())
                     .filter_map(|param| match param.source {
-                        model::ParamSource::Port(p) => Some(&component.ports[p as usize]),
+                        model::ParamSource::Port(p) => Some(&component.ports[p]),
                         _ => None,
                     })
                     .flat_map(|port| self.outputs(component, port))
@@ -352,7 +352,7 @@ impl Reader<'_> {
             });
             Machine { states: states.collect(), start: find("start"), stop: find("stop") }
         };
-        let tasks = (0..).zip(&component.tasks).map(|(t, task)| Task {
+        let tasks = component.tasks.iter_enumerated().map(|(t, task)| Task {
             name: task.name.to_string(),
             period: task.period.as_ref().map(|period| millis(period.value)),
             delay: task.delay.as_ref().map_or(0, |delay| millis(delay.value)),
@@ -363,18 +363,17 @@ impl Reader<'_> {
             machine: machine(Owner::Task(t), throws(&task.name, &[&task.throws])),
         });
         let tasks: Vec<Task> = tasks.collect();
-        let mut machines: Vec<Option<(usize, Machine)>> = (0..)
-            .zip(&component.services)
+        let mut machines: Vec<Option<(usize, Machine)>> = component
+            .services
+            .iter_enumerated()
             .map(|(s, service)| {
                 let task = service.task.filter(|_| service.kind == ServiceKind::Activity)?;
-                let throws = throws(
-                    &service.name,
-                    &[&service.throws, &component.tasks[task as usize].throws],
-                );
-                Some((task as usize, machine(Owner::Service(s), throws)))
+                let throws =
+                    throws(&service.name, &[&service.throws, &component.tasks[task].throws]);
+                Some((usize::from(task), machine(Owner::Service(s), throws)))
             })
             .collect();
-        let services = (0..).zip(&component.services).map(|(s, service)| {
+        let services = component.services.iter_enumerated().map(|(s, service)| {
             let owner = Owner::Service(s);
             let of_kind = |kind: CodelKind| {
                 let all = (0..).zip(&service.codels);
@@ -403,12 +402,12 @@ impl Reader<'_> {
                 if list.all {
                     (0..all).collect()
                 } else {
-                    list.services.iter().map(|&service| service as usize).collect()
+                    list.services.iter().map(|&service| usize::from(service)).collect()
                 }
             };
             Service {
                 name: service.name.to_string(),
-                activity: machines[s as usize].take(),
+                activity: machines[usize::from(s)].take(),
                 control,
                 interrupts: list(&service.interrupts),
                 before: list(&service.before),
@@ -417,14 +416,14 @@ impl Reader<'_> {
             }
         });
         let mut services: Vec<Service> = services.collect();
-        for (s, service) in (0..).zip(&mut services) {
+        for (s, service) in component.services.keys().zip(&mut services) {
             for copy in service.control.iter_mut().filter(|control| control.name.is_none()) {
                 let others = mutex::service_exclusions(spec, component, s).into_iter();
                 let others = others.map(|at| {
-                    let task = component.task_of(at).map(|task| task as usize);
+                    let task = component.task_of(at).map(usize::from);
                     (task, component.codel(at).name.to_string())
                 });
-                let params = &component.services[s as usize].params;
+                let params = &component.services[s].params;
                 let copied = || (0..).zip(params).filter(|pair| pair.1.dir != model::ParamDir::Out);
                 copy.codel = codels.len();
                 codels.push(Codel {
@@ -497,6 +496,6 @@ fn member(component: &str, param: &model::Param) -> Datum {
     }
 }
 
-fn copy_of(component: &model::Component, service: u32) -> String {
-    format!("copy {}", component.services[service as usize].name)
+fn copy_of(component: &model::Component, service: model::ServiceId) -> String {
+    format!("copy {}", component.services[service].name)
 }
