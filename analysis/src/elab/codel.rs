@@ -39,40 +39,38 @@ impl<'a> Elaborator<'a> {
     /// Adds a codel written in the current body.
     pub(super) fn codel_here(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         owner: Owner,
         decl: &'a CodelDecl,
         kind: CodelKind,
     ) {
         let source = CodelSource { decl, visit: self.visit, scope: self.scope, kind };
-        self.add_codel(index, owner, source);
+        self.add_codel(c, owner, source);
     }
 
     /// Adds a codel to a task or service, resolved for that component.
-    pub(super) fn add_codel(&mut self, index: ComponentId, owner: Owner, source: CodelSource<'a>) {
+    pub(super) fn add_codel(&mut self, c: ComponentId, owner: Owner, source: CodelSource<'a>) {
         let container = self.container;
         self.in_visit(source.visit, |this| {
             this.within(source.scope, container, |this| {
-                this.resolve_codel(index, owner, source);
+                this.resolve_codel(c, owner, source);
             });
         });
     }
 
-    fn resolve_codel(&mut self, index: ComponentId, owner: Owner, source: CodelSource<'a>) {
+    fn resolve_codel(&mut self, c: ComponentId, owner: Owner, source: CodelSource<'a>) {
         let decl = source.decl;
         let Some(name) = &decl.name else { return };
         let (at, node) = (self.src(name.ptr), self.src(decl.ptr));
-        let known = self.spec.components[index]
-            .codels_of(owner)
-            .iter()
-            .find(|codel| codel.name == name.text);
+        let known =
+            self.spec.components[c].codels_of(owner).iter().find(|codel| codel.name == name.text);
         if let Some(first) = known {
             let diagnostic = Finding::new(CodelProblem::CodelTwice { name: name.text.clone() }, at)
                 .related(first.src, Role::FirstUsed);
             self.report(diagnostic);
             return;
         }
-        let (params, complete) = self.codel_params(index, owner, decl, source.kind);
+        let (params, complete) = self.codel_params(c, owner, decl, source.kind);
         if source.kind != CodelKind::Fsm {
             let stateful = params.iter().find(|param| {
                 matches!(param.source, ParamSource::Port(_) | ParamSource::Remote(_))
@@ -97,14 +95,14 @@ impl<'a> Elaborator<'a> {
         }
         self.register_codel(name, decl, &params, complete);
         let triggers = match &decl.triggers {
-            Some(states) => self.states(index, states, Some(name)),
+            Some(states) => self.states(c, states, Some(name)),
             None => Vec::new(),
         };
         let yields = match &decl.yields {
-            Some(states) => self.states(index, states, None),
+            Some(states) => self.states(c, states, None),
             None => Vec::new(),
         };
-        self.check_attached(index, owner, at, &triggers);
+        self.check_attached(c, owner, at, &triggers);
         let wcet = self.wcet(decl);
         let codel = Codel {
             name: name.text.clone(),
@@ -117,8 +115,8 @@ impl<'a> Elaborator<'a> {
             yields,
             wcet,
         };
-        let component = &mut self.spec.components[index];
-        let state = &mut self.components[index];
+        let component = &mut self.spec.components[c];
+        let state = &mut self.components[c];
         match owner {
             Owner::Task(i) => {
                 component.tasks[i].codels.push(codel);
@@ -134,18 +132,18 @@ impl<'a> Elaborator<'a> {
     /// Checks the parameters of a codel at a place that does not allow it, and records their references.
     pub(super) fn misplaced_params(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         owner: Owner,
         decl: &'a CodelDecl,
         kind: CodelKind,
     ) {
-        self.codel_params(index, owner, decl, kind);
+        self.codel_params(c, owner, decl, kind);
     }
 
     /// The parameters, and true if all could be resolved.
     fn codel_params(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         owner: Owner,
         decl: &'a CodelDecl,
         kind: CodelKind,
@@ -157,9 +155,9 @@ impl<'a> Elaborator<'a> {
         let mut params: Vec<Param> = Vec::with_capacity(decl.params.len());
         let mut complete = true;
         for decl in &decl.params {
-            let Some(param) = self.codel_param(index, service, decl, kind) else {
+            let Some(param) = self.codel_param(c, service, decl, kind) else {
                 complete = false;
-                params.extend(self.opaque_param(index, service, decl));
+                params.extend(self.opaque_param(c, service, decl));
                 continue;
             };
             let known =
@@ -236,7 +234,7 @@ impl<'a> Elaborator<'a> {
 
     /// Creates the states that imported codels mention, in the order of the reference compiler. Their types,
     /// and so generated code, have that order, and the place of their codel.
-    pub(super) fn import_states(&mut self, index: ComponentId, codels: Vec<CodelSource<'a>>) {
+    pub(super) fn import_states(&mut self, c: ComponentId, codels: Vec<CodelSource<'a>>) {
         for codel in codels {
             let Some(name) = &codel.decl.name else {
                 continue;
@@ -245,22 +243,17 @@ impl<'a> Elaborator<'a> {
                 let at = this.src(name.ptr);
                 for state in codel.decl.yields.iter().flatten() {
                     let paused = state.paused && state.name.text != "ether";
-                    this.event(index, &state.name, (paused, false), at);
+                    this.event(c, &state.name, (paused, false), at);
                 }
                 for state in codel.decl.triggers.iter().flatten() {
-                    this.event(index, &state.name, (false, true), at);
+                    this.event(c, &state.name, (false, true), at);
                 }
             });
         }
     }
 
     /// The states of a `< >` list (with the codel's name) or of a `yields` list.
-    fn states(
-        &mut self,
-        index: ComponentId,
-        list: &[StateRef],
-        codel: Option<&Name>,
-    ) -> Vec<State> {
+    fn states(&mut self, c: ComponentId, list: &[StateRef], codel: Option<&Name>) -> Vec<State> {
         let mut states: Vec<State> = Vec::with_capacity(list.len());
         for state in list {
             let at = self.src(state.ptr);
@@ -291,7 +284,7 @@ impl<'a> Elaborator<'a> {
                 continue;
             }
             let created = self.src(state.name.ptr);
-            let event = self.event(index, &state.name, (paused, codel.is_some()), created);
+            let event = self.event(c, &state.name, (paused, codel.is_some()), created);
             states.push(State { name: name.clone(), paused, event, src: at });
         }
         states
@@ -300,13 +293,13 @@ impl<'a> Elaborator<'a> {
     /// The type object of a state, created at its first mention, with the place `created`.
     fn event(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         name: &Name,
         (paused, is_trigger): (bool, bool),
         created: Src,
     ) -> TypeId {
         let at = self.src(name.ptr);
-        let state = &self.components[index];
+        let state = &self.components[c];
         let (scope, kind, other) = if paused {
             (state.pause, TypeKind::PauseEvent, state.scope)
         } else {
@@ -335,7 +328,7 @@ impl<'a> Elaborator<'a> {
             }
             Some(_) => {}
             None if self.importing.is_none() => {
-                let container = self.container.replace(self.components[index].def);
+                let container = self.container.replace(self.components[c].def);
                 self.define(DefKind::State, &name.text, at, at, Some(event));
                 self.container = container;
             }
@@ -345,9 +338,9 @@ impl<'a> Elaborator<'a> {
     }
 
     /// Each state of a machine has at most one codel.
-    fn check_attached(&mut self, index: ComponentId, owner: Owner, at: Src, triggers: &[State]) {
+    fn check_attached(&mut self, c: ComponentId, owner: Owner, at: Src, triggers: &[State]) {
         let mut clashes: Vec<(Text, Text, Src)> = Vec::new();
-        let component = &self.spec.components[index];
+        let component = &self.spec.components[c];
         for state in triggers {
             let first = component
                 .codels_of(owner)

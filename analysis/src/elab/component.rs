@@ -53,9 +53,9 @@ impl<'a> Elaborator<'a> {
         self.component = outer;
     }
 
-    fn reopen(&mut self, index: ComponentId, kind: ComponentKind, at: Src) -> bool {
-        let known = &self.spec.components[index];
-        let state = &self.components[index];
+    fn reopen(&mut self, c: ComponentId, kind: ComponentKind, at: Src) -> bool {
+        let known = &self.spec.components[c];
+        let state = &self.components[c];
         let def = state.def;
         if known.kind != kind {
             let (was, is) = match kind {
@@ -173,15 +173,15 @@ impl<'a> Elaborator<'a> {
     }
 
     /// One item of a body.
-    fn export(&mut self, index: ComponentId, item: &'a Item) {
+    fn export(&mut self, c: ComponentId, item: &'a Item) {
         match item {
-            Item::Property(property) => self.component_property(index, property),
-            Item::Ids { members, keyword, .. } => self.ids(index, members, *keyword),
+            Item::Property(property) => self.component_property(c, property),
+            Item::Ids { members, keyword, .. } => self.ids(c, members, *keyword),
             Item::Task { name: Some(name), properties, ptr } => {
-                self.task(index, name, properties, *ptr);
+                self.task(c, name, properties, *ptr);
             }
-            Item::Port(decl) => self.port(index, decl),
-            Item::Service(decl) => self.service(index, decl),
+            Item::Port(decl) => self.port(c, decl),
+            Item::Service(decl) => self.service(c, decl),
             _ => {
                 self.idl_statement(item);
             }
@@ -189,19 +189,19 @@ impl<'a> Elaborator<'a> {
     }
 
     /// The end of a body.
-    fn close(&mut self, index: ComponentId) {
-        self.close_services(index);
-        let state = &mut self.components[index];
+    fn close(&mut self, c: ComponentId) {
+        self.close_services(c);
+        let state = &mut self.components[c];
         state.closing = Some(self.closings.len());
-        self.closings.push(BodyEnd { component: index, snapshot: None });
+        self.closings.push(BodyEnd { component: c, snapshot: None });
     }
 
     // Ids
 
-    fn ids(&mut self, index: ComponentId, items: &'a [Item], keyword: Ptr) {
+    fn ids(&mut self, c: ComponentId, items: &'a [Item], keyword: Ptr) {
         let at = self.src(keyword);
-        let first = self.components[index].ids.is_none();
-        let Some(scope) = self.open_ids(index, at) else {
+        let first = self.components[c].ids.is_none();
+        let Some(scope) = self.open_ids(c, at) else {
             // The name `ids` is taken; the members are still read, for their references.
             let scope = self.scopes.open(
                 self.scope,
@@ -215,21 +215,21 @@ impl<'a> Elaborator<'a> {
         };
         let def = self.scopes.get(scope).def;
         // The ids can be used as a type once they have members.
-        let (outer, name) = (self.components[index].scope, Text::new_static("ids"));
+        let (outer, name) = (self.components[c].scope, Text::new_static("ids"));
         let hidden = if first { self.scopes.get_mut(outer).names.remove(&name) } else { None };
         let members = self.within(scope, def, |this| this.members(items, DefKind::IdsMember));
         if let Some(ids) = hidden {
             self.scopes.get_mut(outer).names.insert(name, ids);
         }
-        self.add_to_ids(index, members);
-        if let Some(ids) = self.spec.components[index].ids {
+        self.add_to_ids(c, members);
+        if let Some(ids) = self.spec.components[c].ids {
             self.adopt(scope, ids);
         }
     }
 
     /// The scope of the ids, created with the ids themselves if there are none yet.
-    pub(super) fn open_ids(&mut self, index: ComponentId, at: Src) -> Option<ScopeId> {
-        let state = &self.components[index];
+    pub(super) fn open_ids(&mut self, c: ComponentId, at: Src) -> Option<ScopeId> {
+        let state = &self.components[c];
         if let Some(scope) = state.ids {
             return Some(scope);
         }
@@ -246,13 +246,13 @@ impl<'a> Elaborator<'a> {
         self.container = container;
         self.scopes.get_mut(outer).names.insert(name.clone(), ids);
         let scope = self.scopes.open(outer, &name, ScopeKind::Struct, Some(def), false);
-        self.components[index].ids = Some(scope);
-        self.spec.components[index].ids = Some(ids);
+        self.components[c].ids = Some(scope);
+        self.spec.components[c].ids = Some(ids);
         Some(scope)
     }
 
-    pub(super) fn add_to_ids(&mut self, index: ComponentId, added: Vec<TypeId>) {
-        let Some(ids) = self.spec.components[index].ids else {
+    pub(super) fn add_to_ids(&mut self, c: ComponentId, added: Vec<TypeId>) {
+        let Some(ids) = self.spec.components[c].ids else {
             return;
         };
         if let TypeKind::Struct { members } = &mut self.spec.types[ids.0 as usize].kind {
@@ -263,21 +263,21 @@ impl<'a> Elaborator<'a> {
 
     // Names that were refused
 
-    pub(super) fn add_refused_name(&mut self, index: ComponentId, name: &Text) {
-        let lost = &mut self.components[index].lost;
+    pub(super) fn add_refused_name(&mut self, c: ComponentId, name: &Text) {
+        let lost = &mut self.components[c].lost;
         lost.insert(name.clone());
     }
 
     /// Returns true if a name that is not found in a component may be missing because of an error that was
     /// already reported.
-    pub(super) fn is_excused(&self, index: ComponentId, name: &Text) -> bool {
-        let state = &self.components[index];
+    pub(super) fn is_excused(&self, c: ComponentId, name: &Text) -> bool {
+        let state = &self.components[c];
         state.incomplete || state.lost.contains(name)
     }
 
     // Ports
 
-    fn port(&mut self, index: ComponentId, decl: &'a PortDecl) {
+    fn port(&mut self, c: ComponentId, decl: &'a PortDecl) {
         let keyword = self.src(decl.keyword);
         let data = self.type_ref(&decl.ty);
         let (Some(name), Some(out)) = (&decl.name, decl.out) else {
@@ -331,37 +331,37 @@ impl<'a> Elaborator<'a> {
         };
         let node = self.src(decl.ptr);
         let def = self.define(DefKind::Port, &name.text, at, node, None);
-        self.add_port(index, port, false, def, at);
+        self.add_port(c, port, false, def, at);
     }
 
     /// Adds a port to a component, with its type object. With `used`, the port is the reverse of a port of a
     /// used interface, so it has a type of its own.
     pub(super) fn add_port(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         mut port: Port,
         used: bool,
         def: DefId,
         at: Src,
     ) -> bool {
-        let state = &self.components[index];
+        let state = &self.components[c];
         let taken = state.service_by_name.get(&port.name).copied();
         if let Some(service) = taken {
-            let place = self.spec.components[index].services[service].src;
+            let place = self.spec.components[c].services[service].src;
 
             self.report(
                 Finding::new(NameProblem::Taken { name: port.name.clone(), what: "a service" }, at)
                     .related(place, Role::Service),
             );
-            self.add_refused_name(index, &port.name);
+            self.add_refused_name(c, &port.name);
             return false;
         }
         let scope = state.scope;
-        let number = self.spec.components[index].ports.next_key();
-        let kind = TypeKind::Port { component: index, port: number };
+        let number = self.spec.components[c].ports.next_key();
+        let kind = TypeKind::Port { component: c, port: number };
         if let Some(clash) = self.scopes.clash(scope, &port.name, false) {
             self.report_clash(scope, &port.name, at, clash);
-            self.add_refused_name(index, &port.name);
+            self.add_refused_name(c, &port.name);
             return false;
         }
         let provided = port.imported_from.is_some() && !used;
@@ -371,16 +371,16 @@ impl<'a> Elaborator<'a> {
         self.type_defs[ty.0 as usize] = Some(def);
         if port.imported_from.is_none() {
             self.definitions[def.0 as usize].ty = Some(ty);
-            self.set_entity(def, Entity::Port(index, number));
+            self.set_entity(def, Entity::Port(c, number));
         }
         self.declare_at(scope, &port.name, at, ty);
         if !alias {
             port.ty = ty;
         }
-        let state = &mut self.components[index];
+        let state = &mut self.components[c];
         state.port_by_name.insert(port.name.clone(), number);
         state.ports.push(def);
-        self.spec.components[index].ports.push(port);
+        self.spec.components[c].ports.push(port);
         true
     }
 }

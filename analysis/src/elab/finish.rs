@@ -68,9 +68,9 @@ impl Elaborator<'_> {
     }
 
     /// The lints of a component, as far as its declarations were resolved.
-    fn lint(&mut self, index: ComponentId) {
-        if !self.components[index].tasks.iter().any(|task| task.incomplete) {
-            for lint in crate::check::lints(&self.spec.components[index]) {
+    fn lint(&mut self, c: ComponentId) {
+        if !self.components[c].tasks.iter().any(|task| task.incomplete) {
+            for lint in crate::check::lints(&self.spec.components[c]) {
                 self.report(lint);
             }
         }
@@ -135,12 +135,12 @@ impl Elaborator<'_> {
     }
 
     /// Compares a given clock-rate with the periods, or computes the default one.
-    fn settle_clock_rate(&mut self, index: ComponentId) {
-        let component = &self.spec.components[index];
+    fn settle_clock_rate(&mut self, c: ComponentId) {
+        let component = &self.spec.components[c];
         let Some(rate) = &component.clock_rate else {
             // A clock-rate that could not be evaluated is still given.
-            if !self.components[index].given.contains_key("clock-rate") {
-                self.default_clock_rate(index);
+            if !self.components[c].given.contains_key("clock-rate") {
+                self.default_clock_rate(c);
             }
             return;
         };
@@ -170,8 +170,8 @@ impl Elaborator<'_> {
         }
     }
 
-    fn default_clock_rate(&mut self, index: ComponentId) {
-        let component = &self.spec.components[index];
+    fn default_clock_rate(&mut self, c: ComponentId) {
+        let component = &self.spec.components[c];
         if component.tasks.iter().all(|task| task.period.is_none()) {
             return;
         }
@@ -179,7 +179,7 @@ impl Elaborator<'_> {
         let rate = times.fold(1_000_000, |rate, time| gcd(rate, microseconds(time)));
         let src = component.src;
         let rate = self.seconds(Ratio::new(rate, 1_000_000), None, src);
-        self.spec.components[index].clock_rate = Some(rate);
+        self.spec.components[c].clock_rate = Some(rate);
     }
 }
 

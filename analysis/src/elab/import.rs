@@ -35,7 +35,7 @@ fn list_of(word: &str) -> usize {
 
 impl<'a> Elaborator<'a> {
     /// A `provides`, `uses` or `extends` property.
-    pub(super) fn imports(&mut self, index: ComponentId, names: &'a [Name], word: &'static str) {
+    pub(super) fn imports(&mut self, c: ComponentId, names: &'a [Name], word: &'static str) {
         let mut seen: Vec<(&Text, Src)> = Vec::with_capacity(names.len());
         let mut list: Vec<(ComponentId, Src)> = Vec::with_capacity(names.len());
         for name in names {
@@ -54,9 +54,9 @@ impl<'a> Elaborator<'a> {
                 |name| NameProblem::UnknownInterface { name },
                 |name| NameProblem::NotAnInterface { name },
             ) else {
-                self.components[index].incomplete = true;
+                self.components[c].incomplete = true;
                 self.spec.gaps.push(Gap {
-                    component: Some(index),
+                    component: Some(c),
                     missing: Missing::Interface { name: name.text.clone(), used: word == "uses" },
                 });
                 continue;
@@ -66,7 +66,7 @@ impl<'a> Elaborator<'a> {
         // The lists of an interface are added to those of its importer. If the importer's first list of this
         // kind is being read, the added entries are imported as well, and so twice.
         let which = list_of(word);
-        let lists = &mut self.components[index].lists;
+        let lists = &mut self.components[c].lists;
         let first = lists[which].is_empty();
         union(&mut lists[which], list.iter().map(|(number, _)| *number));
         let named = list.len();
@@ -79,7 +79,7 @@ impl<'a> Elaborator<'a> {
                     }
                 }
             }
-            self.import(index, interface, word, at, next < named);
+            self.import(c, interface, word, at, next < named);
             next += 1;
         }
     }
@@ -117,13 +117,13 @@ impl<'a> Elaborator<'a> {
     }
 
     /// The interfaces that `#pragma provides` adds to every new component.
-    pub(super) fn import_by_pragma(&mut self, index: ComponentId, at: Src) {
+    pub(super) fn import_by_pragma(&mut self, c: ComponentId, at: Src) {
         for interface in self.pragma_provides.clone() {
-            self.import(index, interface, "provides", at, true);
+            self.import(c, interface, "provides", at, true);
         }
         for name in self.pragma_unknown.clone() {
             let missing = Missing::Interface { name, used: false };
-            self.spec.gaps.push(Gap { component: Some(index), missing });
+            self.spec.gaps.push(Gap { component: Some(c), missing });
         }
     }
 
@@ -131,26 +131,26 @@ impl<'a> Elaborator<'a> {
     /// interface.
     fn import(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         interface: ComponentId,
         word: &'static str,
         at: Src,
         named: bool,
     ) {
-        let component = &mut self.spec.components[index];
+        let component = &mut self.spec.components[c];
         let list = match word {
             "uses" => &mut component.uses,
             "extends" => &mut component.extends,
             _ => &mut component.provides,
         };
         union(list, [interface]);
-        for which in 0..self.components[index].lists.len() {
+        for which in 0..self.components[c].lists.len() {
             let theirs = self.components[interface].lists[which].clone();
-            union(&mut self.components[index].lists[which], theirs);
+            union(&mut self.components[c].lists[which], theirs);
         }
         // An interface that names itself imports all its contents a second time.
-        let imported = &self.components[index].imported;
-        let again = if interface == index {
+        let imported = &self.components[c].imported;
+        let again = if interface == c {
             Some("an interface that names itself imports all it has once more")
         } else if imported.contains(&interface) && !named {
             Some(
@@ -163,42 +163,42 @@ impl<'a> Elaborator<'a> {
             None
         };
         let theirs = self.components[interface].imported.clone();
-        let imported = &mut self.components[index].imported;
+        let imported = &mut self.components[c].imported;
         union(imported, theirs);
         union(imported, [interface]);
         let outer = self.importing.replace(ImportInProgress { at, again });
         let uses = word == "uses";
         if !uses || !self.spec.release.has(Change::NoPropertiesOfUsed) {
-            self.import_properties(index, interface, at);
+            self.import_properties(c, interface, at);
         }
-        self.import_ids(index, interface, at);
-        self.import_tasks(index, interface, at);
-        self.import_ports(index, interface, uses, at);
+        self.import_ids(c, interface, at);
+        self.import_tasks(c, interface, at);
+        self.import_ports(c, interface, uses, at);
         let services = if uses {
-            self.import_as_remotes(index, interface, at);
+            self.import_as_remotes(c, interface, at);
             Vec::new()
         } else {
-            self.import_services(index, interface, at)
+            self.import_services(c, interface, at)
         };
-        self.import_remotes(index, interface, at);
+        self.import_remotes(c, interface, at);
         for task in self.components[interface].tasks.keys() {
             let name = &self.spec.components[interface].tasks[task].name;
-            let own = self.components[index].task_by_name.get(name);
+            let own = self.components[c].task_by_name.get(name);
             let Some(own) = own.copied() else { continue };
             for codel in self.components[interface].tasks[task].codels.clone() {
-                self.add_codel(index, Owner::Task(own), codel);
+                self.add_codel(c, Owner::Task(own), codel);
             }
         }
         for (theirs, own) in services {
             let codels = &self.components[interface].services[theirs].codels;
             for codel in codels.clone() {
-                self.add_codel(index, Owner::Service(own), codel);
+                self.add_codel(c, Owner::Service(own), codel);
             }
         }
         self.importing = outer;
     }
 
-    fn import_properties(&mut self, index: ComponentId, interface: ComponentId, at: Src) {
+    fn import_properties(&mut self, c: ComponentId, interface: ComponentId, at: Src) {
         let from = &self.spec.components[interface];
         let (doc, requires, codels_requires, throws) = (
             from.doc.clone(),
@@ -219,7 +219,7 @@ impl<'a> Elaborator<'a> {
         let version = version.filter(|_| explicit("version"));
         let lang = lang.filter(|_| explicit("lang"));
         let separate = self.spec.release.has(Change::SeparateInterfaceDocs);
-        let to = &mut self.spec.components[index];
+        let to = &mut self.spec.components[c];
         if let Some(doc) = doc.filter(|_| !separate) {
             join_doc(&mut to.doc, &doc);
         }
@@ -229,7 +229,7 @@ impl<'a> Elaborator<'a> {
         let word = "codels-requires";
         let state = &self.components[interface];
         if let Some(&theirs) = state.given.get(word) {
-            let state = &mut self.components[index];
+            let state = &mut self.components[c];
             if let Some(&own) = state.given.get(word) {
                 self.newer_or(
                     Change::MergedProperties,
@@ -244,13 +244,13 @@ impl<'a> Elaborator<'a> {
             }
         }
         let mut once =
-            |word: &'static str, value: &str| self.import_once(index, interface, word, value, at);
+            |word: &'static str, value: &str| self.import_once(c, interface, word, value, at);
         let version = version.filter(|version| once("version", version));
         let lang = lang.filter(|language| once("lang", language));
         let email = email.filter(|email| once("email", email));
         let clock_rate = clock_rate.filter(|_| once("clock-rate", ""));
         let stack = stack.filter(|_| once("stack", ""));
-        let to = &mut self.spec.components[index];
+        let to = &mut self.spec.components[c];
         to.version = version.or(to.version.take());
         to.lang = lang.or(to.lang.take());
         to.email = email.or(to.email.take());
@@ -261,18 +261,18 @@ impl<'a> Elaborator<'a> {
     /// Records that a property that does not merge is imported; reports it if it was already given.
     fn import_once(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         interface: ComponentId,
         word: &'static str,
         value: &str,
         at: Src,
     ) -> bool {
-        if self.repeats_first(index, word, value) {
+        if self.repeats_first(c, word, value) {
             self.newer(Change::MergedProperties, "a property that is repeated", at);
             return false;
         }
         let theirs = self.components[interface].given.get(word).copied();
-        let given = &mut self.components[index].given;
+        let given = &mut self.components[c].given;
         let Some(&own) = given.get(word) else {
             given.insert(word, at);
             return true;
@@ -290,7 +290,7 @@ impl<'a> Elaborator<'a> {
         false
     }
 
-    fn import_ids(&mut self, index: ComponentId, interface: ComponentId, at: Src) {
+    fn import_ids(&mut self, c: ComponentId, interface: ComponentId, at: Src) {
         let Some(theirs) = self.spec.components[interface].ids else {
             return;
         };
@@ -298,11 +298,11 @@ impl<'a> Elaborator<'a> {
             return;
         };
         let members = members.clone();
-        let first = self.spec.components[index].ids.is_none();
-        let Some(scope) = self.open_ids(index, at) else {
+        let first = self.spec.components[c].ids.is_none();
+        let Some(scope) = self.open_ids(c, at) else {
             return;
         };
-        if let Some(own) = self.spec.components[index].ids.filter(|_| first) {
+        if let Some(own) = self.spec.components[c].ids.filter(|_| first) {
             // Templates see the origin of the members.
             self.spec.types[own.0 as usize].src = self.spec.ty(theirs).src;
         }
@@ -329,7 +329,7 @@ impl<'a> Elaborator<'a> {
                 }
             }
         }
-        self.add_to_ids(index, added);
+        self.add_to_ids(c, added);
     }
 
     /// The ids member of an interface that a member was copied from; itself if it was not copied.
@@ -337,18 +337,18 @@ impl<'a> Elaborator<'a> {
         self.origins.get(&member).copied().unwrap_or(member)
     }
 
-    fn import_tasks(&mut self, index: ComponentId, interface: ComponentId, at: Src) {
+    fn import_tasks(&mut self, c: ComponentId, interface: ComponentId, at: Src) {
         for number in self.components[interface].tasks.keys() {
             let task = self.spec.components[interface].tasks[number].clone();
             let def = self.components[interface].tasks[number].def;
-            let known = self.components[index].task_by_name.get(&task.name);
+            let known = self.components[c].task_by_name.get(&task.name);
             let own = match known.copied() {
                 Some(own) => own,
-                None => self.new_task(index, &task.name, task.src, def, Some(interface)),
+                None => self.new_task(c, &task.name, task.src, def, Some(interface)),
             };
             let mut conflicts: Vec<&'static str> = Vec::new();
-            let to = &mut self.spec.components[index].tasks[own];
-            let given = &mut self.components[index].tasks[own].given;
+            let to = &mut self.spec.components[c].tasks[own];
+            let given = &mut self.components[c].tasks[own].given;
             let mut once = |word: &'static str, brought: bool| {
                 if brought && given.contains_key(word) {
                     conflicts.push(word);
@@ -390,13 +390,13 @@ impl<'a> Elaborator<'a> {
                 }
                 self.report(diagnostic.related(place, Role::OtherTask));
             }
-            self.check_delay(index, own);
+            self.check_delay(c, own);
             let codels = &self.components[interface].tasks[number].codels;
-            self.import_states(index, codels.clone());
+            self.import_states(c, codels.clone());
         }
     }
 
-    fn import_ports(&mut self, index: ComponentId, interface: ComponentId, uses: bool, at: Src) {
+    fn import_ports(&mut self, c: ComponentId, interface: ComponentId, uses: bool, at: Src) {
         for number in self.components[interface].ports.keys() {
             let port = self.spec.components[interface].ports[number].clone();
             let def = self.components[interface].ports[number];
@@ -406,7 +406,7 @@ impl<'a> Elaborator<'a> {
                 (false, dir) => dir,
             };
             let port = Port { dir, imported_from: Some(interface), ..port };
-            self.add_port(index, port, uses, def, at);
+            self.add_port(c, port, uses, def, at);
         }
     }
 }

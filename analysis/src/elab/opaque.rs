@@ -18,9 +18,9 @@ impl<'a> Elaborator<'a> {
     }
 
     /// Records a task or service that is not found and may come from an unknown interface.
-    pub(super) fn lack_of(&mut self, index: ComponentId, missing: Missing) {
-        let gap = Gap { component: Some(index), missing };
-        if self.components[index].incomplete && !self.spec.gaps.contains(&gap) {
+    pub(super) fn lack_of(&mut self, c: ComponentId, missing: Missing) {
+        let gap = Gap { component: Some(c), missing };
+        if self.components[c].incomplete && !self.spec.gaps.contains(&gap) {
             self.spec.gaps.push(gap);
         }
     }
@@ -41,7 +41,7 @@ impl<'a> Elaborator<'a> {
     /// Its type is named like the types of ports and remote services, since it may be one.
     pub(super) fn opaque_param(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         service: Option<ServiceId>,
         decl: &ParamDecl,
     ) -> Option<Param> {
@@ -57,13 +57,13 @@ impl<'a> Elaborator<'a> {
         let (first, last) = (path.iter().find_map(member), path.iter().rev().find_map(member));
         // Members of the ids are named by their last name, everything else by the first.
         let whole = matches!(source, Some((known, _)) if *known != SourceKind::Ids)
-            || first.is_some_and(|name| self.local_named(index, service, &name.text).is_some());
+            || first.is_some_and(|name| self.local_named(c, service, &name.text).is_some());
         let own = if whole { first } else { last };
         let name = rename.as_deref().or(own)?.text.clone();
         let src = self.src(decl.ptr);
         if let ParamSpec::Path { source, .. } = &decl.spec
             && let Some(first) = first
-            && !self.is_source(index, service, &first.text)
+            && !self.is_source(c, service, &first.text)
         {
             let kind = source.map(|source| source.0);
             self.record_unresolved(Missing::Source {
@@ -73,7 +73,7 @@ impl<'a> Elaborator<'a> {
                 service,
             });
         }
-        let scope = self.components[index].scope;
+        let scope = self.components[c].scope;
         let named = first.map_or_else(|| name.clone(), |name| name.text.clone());
         let ty = self.named(TypeKind::Unknown, scope, named, src);
         if let Some((name, scope)) = self.inside_unknown() {
@@ -94,10 +94,10 @@ impl<'a> Elaborator<'a> {
 
     /// Returns true if a component or service has an ids member, parameter, port or remote service of that
     /// name.
-    fn is_source(&self, index: ComponentId, service: Option<ServiceId>, name: &Text) -> bool {
-        let state = &self.components[index];
-        self.ids_member(index, name).is_some()
-            || self.local_named(index, service, name).is_some()
+    fn is_source(&self, c: ComponentId, service: Option<ServiceId>, name: &Text) -> bool {
+        let state = &self.components[c];
+        self.ids_member(c, name).is_some()
+            || self.local_named(c, service, name).is_some()
             || state.port_by_name.contains_key(name)
             || state.remote_by_name.contains_key(name)
     }

@@ -77,7 +77,7 @@ impl<'a> Elaborator<'a> {
     /// A parameter of a codel; `None` if it does not resolve, which was reported.
     pub(super) fn codel_param(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         service: Option<ServiceId>,
         decl: &'a ParamDecl,
         kind: CodelKind,
@@ -101,85 +101,80 @@ impl<'a> Elaborator<'a> {
                 self.error(at, CodelProblem::WholeIds { name: rename.text.clone(), what });
                 return None;
             }
-            return self.whole_ids(index, decl, rename, codel_access(decl.dir));
+            return self.whole_ids(c, decl, rename, codel_access(decl.dir));
         };
         let written = PathParts { decl, first, rest, rename, access: codel_access(decl.dir), at };
         let target = match source {
-            Some((source, _)) => self.explicit_target(index, service, *source, &written)?,
-            None => self.implicit_target(index, service, &written)?,
+            Some((source, _)) => self.explicit_target(c, service, *source, &written)?,
+            None => self.implicit_target(c, service, &written)?,
         };
         match target {
-            Target::Ids(member) => self.ids_param(index, member, &written),
-            Target::Local(local) => self.local_param(index, service?, local, &written, kind),
-            Target::Port(port) => self.port_param(index, port, &written),
-            Target::Remote(remote) => self.remote_param(index, remote, &written),
+            Target::Ids(member) => self.ids_param(c, member, &written),
+            Target::Local(local) => self.local_param(c, service?, local, &written, kind),
+            Target::Port(port) => self.port_param(c, port, &written),
+            Target::Remote(remote) => self.remote_param(c, remote, &written),
         }
     }
 
     /// A parameter of an attribute: a path into the ids.
-    pub(super) fn attribute_param(
-        &mut self,
-        index: ComponentId,
-        decl: &'a ParamDecl,
-    ) -> Option<Param> {
+    pub(super) fn attribute_param(&mut self, c: ComponentId, decl: &'a ParamDecl) -> Option<Param> {
         let ParamSpec::Path { path, rename, .. } = &decl.spec else {
             return None;
         };
         let at = self.src(decl.ptr);
         let rename = rename.as_deref();
         let Some((PathStep::Member(first), rest)) = path.split_first() else {
-            return self.whole_ids(index, decl, rename?, attribute_access(decl.dir));
+            return self.whole_ids(c, decl, rename?, attribute_access(decl.dir));
         };
         let written =
             PathParts { decl, first, rest, rename, access: attribute_access(decl.dir), at };
-        let Target::Ids(member) = self.explicit_target(index, None, SourceKind::Ids, &written)?
-        else {
+        let Target::Ids(member) = self.explicit_target(c, None, SourceKind::Ids, &written)? else {
             return None;
         };
-        self.ids_param(index, member, &written)
+        self.ids_param(c, member, &written)
     }
 
     // The meaning of a name
 
-    pub(super) fn ids_member(&self, index: ComponentId, name: &str) -> Option<TypeId> {
-        let scope = self.components[index].ids?;
+    pub(super) fn ids_member(&self, c: ComponentId, name: &str) -> Option<TypeId> {
+        let scope = self.components[c].ids?;
         let member = *self.scopes.get(scope).names.get(name)?;
         matches!(self.spec.ty(member).kind, TypeKind::StructMember { .. }).then_some(member)
     }
 
     pub(super) fn local_named(
         &self,
-        index: ComponentId,
+        c: ComponentId,
         service: Option<ServiceId>,
         name: &str,
     ) -> Option<u32> {
-        let service = &self.spec.components[index].services[service?];
+        let service = &self.spec.components[c].services[service?];
         let found = service.params.iter().position(|param| param.name == name)?;
         Some(found as u32)
     }
 
     fn explicit_target(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         service: Option<ServiceId>,
         source: SourceKind,
         written: &PathParts<'a>,
     ) -> Option<Target> {
         let name = &written.first.text;
-        let state = &self.components[index];
-        let component = &self.spec.components[index];
+        let state = &self.components[c];
+        let component = &self.spec.components[c];
         let name = name.clone();
         let (found, kind) = match source {
             SourceKind::Ids => {
                 if component.ids.is_none() {
-                    self.report_no_ids(index, written.at);
+                    self.report_no_ids(c, written.at);
                     return None;
                 }
-                let found = self.ids_member(index, &name).map(Target::Ids);
+                let found = self.ids_member(c, &name).map(Target::Ids);
                 (found, CodelProblem::UnknownMember { name: name.clone() })
             }
             SourceKind::Local => {
-                let found = self.local_named(index, service, &name).map(Target::Local);
+                let found = self.local_named(c, service, &name).map(Target::Local);
                 (found, CodelProblem::UnknownLocal { name: name.clone() })
             }
             SourceKind::Port => {
@@ -192,8 +187,8 @@ impl<'a> Elaborator<'a> {
                 (found.map(Target::Remote), kind)
             }
         };
-        if found.is_none() && !self.is_excused(index, &name) {
-            let candidates = self.sources(index, service, Some(source));
+        if found.is_none() && !self.is_excused(c, &name) {
+            let candidates = self.sources(c, service, Some(source));
             let candidates = candidates.iter().map(SmolStr::as_str);
             let near = self.near(self.src(written.first.ptr), &name, candidates);
 
@@ -204,15 +199,15 @@ impl<'a> Elaborator<'a> {
 
     fn implicit_target(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         service: Option<ServiceId>,
         written: &PathParts<'a>,
     ) -> Option<Target> {
         let name = &written.first.text;
-        let state = &self.components[index];
+        let state = &self.components[c];
         let mut found = [
-            self.ids_member(index, name).map(Target::Ids),
-            self.local_named(index, service, name).map(Target::Local),
+            self.ids_member(c, name).map(Target::Ids),
+            self.local_named(c, service, name).map(Target::Local),
             state.port_by_name.get(name).copied().map(Target::Port),
             state.remote_by_name.get(name).copied().map(Target::Remote),
         ]
@@ -231,7 +226,7 @@ impl<'a> Elaborator<'a> {
                     },
                     written.at,
                 );
-                let places = [a, b].map(|target| self.target_def(index, service, target));
+                let places = [a, b].map(|target| self.target_def(c, service, target));
                 let diagnostic = places
                     .into_iter()
                     .zip([a, b])
@@ -243,9 +238,9 @@ impl<'a> Elaborator<'a> {
                 self.report(diagnostic);
                 None
             }
-            (None, _) if self.is_excused(index, name) => None,
+            (None, _) if self.is_excused(c, name) => None,
             (None, _) => {
-                let candidates = self.sources(index, service, None);
+                let candidates = self.sources(c, service, None);
                 let candidates = candidates.iter().map(SmolStr::as_str);
                 let near = self.near(self.src(written.first.ptr), name, candidates);
                 let places = match service {
@@ -269,18 +264,18 @@ impl<'a> Elaborator<'a> {
     /// Every name that a parameter could use.
     fn sources(
         &self,
-        index: ComponentId,
+        c: ComponentId,
         service: Option<ServiceId>,
         only: Option<SourceKind>,
     ) -> Vec<Text> {
-        let state = &self.components[index];
+        let state = &self.components[c];
         let wanted = |source| only.is_none_or(|other| other == source);
         let mut names: Vec<Text> = Vec::new();
         if let Some(scope) = state.ids.filter(|_| wanted(SourceKind::Ids)) {
             names.extend(self.scopes.get(scope).names.keys().cloned());
         }
         if let Some(service) = service.filter(|_| wanted(SourceKind::Local)) {
-            let service = &self.spec.components[index].services[service];
+            let service = &self.spec.components[c].services[service];
             names.extend(service.params.iter().map(|param| param.name.clone()));
         }
         if wanted(SourceKind::Port) {
@@ -294,11 +289,11 @@ impl<'a> Elaborator<'a> {
 
     fn target_def(
         &self,
-        index: ComponentId,
+        c: ComponentId,
         service: Option<ServiceId>,
         target: Target,
     ) -> Option<DefId> {
-        let state = &self.components[index];
+        let state = &self.components[c];
         match target {
             Target::Ids(member) => self.type_defs[member.0 as usize],
             Target::Local(local) => {
@@ -310,11 +305,11 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    fn report_no_ids(&mut self, index: ComponentId, at: Src) {
-        if self.components[index].incomplete {
+    fn report_no_ids(&mut self, c: ComponentId, at: Src) {
+        if self.components[c].incomplete {
             return;
         }
-        let name = &self.spec.components[index].name;
+        let name = &self.spec.components[c].name;
 
         self.error(at, CodelProblem::NoIds { component: name.clone() });
     }
@@ -323,14 +318,14 @@ impl<'a> Elaborator<'a> {
 
     fn whole_ids(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         decl: &'a ParamDecl,
         rename: &'a Name,
         access: AccessKind,
     ) -> Option<Param> {
         let at = self.src(decl.ptr);
-        let Some(ids) = self.spec.components[index].ids else {
-            self.report_no_ids(index, at);
+        let Some(ids) = self.spec.components[c].ids else {
+            self.report_no_ids(c, at);
             return None;
         };
         if let Some(def) = self.type_defs[ids.0 as usize] {
@@ -350,12 +345,12 @@ impl<'a> Elaborator<'a> {
 
     fn ids_param(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         member: TypeId,
         written: &PathParts<'a>,
     ) -> Option<Param> {
-        let ids = self.spec.components[index].ids?;
-        self.refer_target(index, None, Target::Ids(member), written);
+        let ids = self.spec.components[c].ids?;
+        self.refer_target(c, None, Target::Ids(member), written);
         let mut path = vec![PathElement::Member(written.first.text.clone())];
         let ty = self.walk(self.spec.member_type(member), written, &mut path)?;
         let last = written.rest.iter().rev().find_map(|step| match step {
@@ -377,14 +372,14 @@ impl<'a> Elaborator<'a> {
 
     fn local_param(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         service: ServiceId,
         local: u32,
         written: &PathParts<'a>,
         kind: CodelKind,
     ) -> Option<Param> {
-        self.refer_target(index, Some(service), Target::Local(local), written);
-        let known = &self.spec.components[index].services[service];
+        self.refer_target(c, Some(service), Target::Local(local), written);
+        let known = &self.spec.components[c].services[service];
         let known = &known.params[local as usize];
         let (base, dir, place) = (known.ty, known.dir, known.src);
         let mut path = Vec::new();
@@ -414,12 +409,12 @@ impl<'a> Elaborator<'a> {
 
     fn port_param(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         port: PortId,
         written: &PathParts<'a>,
     ) -> Option<Param> {
-        self.refer_target(index, None, Target::Port(port), written);
-        let known = &self.spec.components[index].ports[port];
+        self.refer_target(c, None, Target::Port(port), written);
+        let known = &self.spec.components[c].ports[port];
         let (dir, data, place) = (known.dir, known.data, known.src);
         let name = &written.first.text;
         if !written.rest.is_empty() {
@@ -456,12 +451,12 @@ impl<'a> Elaborator<'a> {
 
     fn remote_param(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         remote: RemoteId,
         written: &PathParts<'a>,
     ) -> Option<Param> {
-        self.refer_target(index, None, Target::Remote(remote), written);
-        let ty = self.spec.components[index].remotes[remote].ty;
+        self.refer_target(c, None, Target::Remote(remote), written);
+        let ty = self.spec.components[c].remotes[remote].ty;
         let name = &written.first.text;
         if !written.rest.is_empty() {
             self.error(written.at, CodelProblem::RemoteMember { name: name.clone() });
@@ -485,12 +480,12 @@ impl<'a> Elaborator<'a> {
 
     fn refer_target(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         service: Option<ServiceId>,
         target: Target,
         written: &PathParts<'a>,
     ) {
-        if let Some(def) = self.target_def(index, service, target) {
+        if let Some(def) = self.target_def(c, service, target) {
             let at = self.src(written.first.ptr);
             self.refer_as(at, def, written.access);
         }

@@ -89,21 +89,21 @@ pub(super) fn text(expr: &Expr) -> Option<String> {
 
 impl<'a> Elaborator<'a> {
     /// A property directly in the body of a component or interface.
-    pub(super) fn component_property(&mut self, index: ComponentId, property: &'a Property) {
+    pub(super) fn component_property(&mut self, c: ComponentId, property: &'a Property) {
         let at = self.src(property.ptr);
         let word = keyword(&property.kind);
         match &property.kind {
             PropertyKind::Doc(doc) => {
-                let mut docs = self.spec.components[index].doc.take();
+                let mut docs = self.spec.components[c].doc.take();
                 self.add_doc(&mut docs, doc);
-                self.spec.components[index].doc = docs;
+                self.spec.components[c].doc = docs;
             }
             PropertyKind::Version(value)
             | PropertyKind::Lang(value)
             | PropertyKind::Email(value) => {
                 let Some(value) = text(value) else { return };
-                if self.first_in_component(index, word, &value, at) {
-                    let component = &mut self.spec.components[index];
+                if self.first_in_component(c, word, &value, at) {
+                    let component = &mut self.spec.components[c];
                     let slot = match word {
                         "version" => &mut component.version,
                         "lang" => &mut component.lang,
@@ -114,29 +114,29 @@ impl<'a> Elaborator<'a> {
             }
             PropertyKind::Requires(list) => {
                 let added = self.string_list(list, word);
-                union(&mut self.spec.components[index].requires, added);
+                union(&mut self.spec.components[c].requires, added);
                 self.note_requirements(list);
             }
-            PropertyKind::CodelsRequires(list) => self.codels_requires(index, list, word, at),
+            PropertyKind::CodelsRequires(list) => self.codels_requires(c, list, word, at),
             PropertyKind::ClockRate(duration) => {
                 let value = self.time(duration, word, at);
-                if self.once_in_component(index, word, at) {
-                    self.spec.components[index].clock_rate = value;
+                if self.once_in_component(c, word, at) {
+                    self.spec.components[c].clock_rate = value;
                 }
             }
             PropertyKind::Stack(size) if self.spec.release.has(Change::ComponentStack) => {
                 let value = self.stack(size, at);
-                if self.once_in_component(index, word, at) {
-                    self.spec.components[index].stack = value;
+                if self.once_in_component(c, word, at) {
+                    self.spec.components[c].stack = value;
                     self.newer(Change::ComponentStack, "a `stack` for a whole component", at);
                 }
             }
             PropertyKind::Provides(names)
             | PropertyKind::Uses(names)
-            | PropertyKind::Extends(names) => self.imports(index, names, word),
+            | PropertyKind::Extends(names) => self.imports(c, names, word),
             PropertyKind::Throws(list) => {
-                let added = self.throws(list, index, None);
-                union(&mut self.spec.components[index].throws, added);
+                let added = self.throws(list, c, None);
+                union(&mut self.spec.components[c].throws, added);
             }
             PropertyKind::Local { ty, .. } => {
                 let at = self.src(ty.ptr);
@@ -157,15 +157,9 @@ impl<'a> Elaborator<'a> {
     }
 
     /// The packages that codels require.
-    fn codels_requires(
-        &mut self,
-        index: ComponentId,
-        list: &'a [Expr],
-        word: &'static str,
-        at: Src,
-    ) {
+    fn codels_requires(&mut self, c: ComponentId, list: &'a [Expr], word: &'static str, at: Src) {
         let added = self.string_list(list, word);
-        let given = &mut self.components[index].given;
+        let given = &mut self.components[c].given;
         if let Some(&first) = given.get(word) {
             self.newer_or(
                 Change::MergedProperties,
@@ -176,7 +170,7 @@ impl<'a> Elaborator<'a> {
         } else {
             given.insert(word, at);
         }
-        union(&mut self.spec.components[index].codels_requires, added);
+        union(&mut self.spec.components[c].codels_requires, added);
     }
 
     pub(super) fn local_outside(&mut self, at: Src, place: &'static str) {
@@ -187,40 +181,35 @@ impl<'a> Elaborator<'a> {
     /// counts.
     fn first_in_component(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         word: &'static str,
         value: &str,
         at: Src,
     ) -> bool {
-        if self.repeats_first(index, word, value) {
+        if self.repeats_first(c, word, value) {
             self.newer(Change::MergedProperties, "a property that is repeated", at);
             return false;
         }
-        self.once_in_component(index, word, at)
+        self.once_in_component(c, word, at)
     }
 
     /// Returns true if a property of a component is already given and may be repeated: languages must then be
     /// equal.
-    pub(super) fn repeats_first(
-        &self,
-        index: ComponentId,
-        word: &'static str,
-        value: &str,
-    ) -> bool {
+    pub(super) fn repeats_first(&self, c: ComponentId, word: &'static str, value: &str) -> bool {
         let merges = match word {
             "version" | "email" => true,
-            "lang" => self.spec.components[index].lang.as_deref() == Some(value),
+            "lang" => self.spec.components[c].lang.as_deref() == Some(value),
             _ => false,
         };
         merges
             && self.spec.release.has(Change::MergedProperties)
-            && self.components[index].given.contains_key(word)
+            && self.components[c].given.contains_key(word)
     }
 
-    fn once_in_component(&mut self, index: ComponentId, word: &'static str, at: Src) -> bool {
-        let mut given = std::mem::take(&mut self.components[index].given);
+    fn once_in_component(&mut self, c: ComponentId, word: &'static str, at: Src) -> bool {
+        let mut given = std::mem::take(&mut self.components[c].given);
         let first = self.once(&mut given, word, at);
-        self.components[index].given = given;
+        self.components[c].given = given;
         first
     }
 

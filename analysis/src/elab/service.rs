@@ -39,55 +39,55 @@ pub(super) fn kind_text(kind: ServiceKind) -> &'static str {
 }
 
 impl<'a> Elaborator<'a> {
-    pub(super) fn service(&mut self, index: ComponentId, decl: &'a ServiceDecl) {
+    pub(super) fn service(&mut self, c: ComponentId, decl: &'a ServiceDecl) {
         let Some(name) = &decl.name else { return };
         let at = self.src(name.ptr);
         if name.text == "all" {
             self.error(at, DeclarationProblem::Reserved);
         }
-        if self.taken_by_other(index, &name.text, at) {
+        if self.taken_by_other(c, &name.text, at) {
             return;
         }
-        let params = self.service_params(index, decl);
-        let known = self.components[index].service_by_name.get(&name.text).copied();
+        let params = self.service_params(c, decl);
+        let known = self.components[c].service_by_name.get(&name.text).copied();
         let service = if let Some(service) = known {
-            let def = self.components[index].services[service].def;
+            let def = self.components[c].services[service].def;
             self.refer_as(at, def, AccessKind::Declaration);
-            if !self.check_kind(index, service, decl.kind, at) {
+            if !self.check_kind(c, service, decl.kind, at) {
                 return;
             }
-            self.merge_params(index, service, &params, at);
-            self.spec.components[index].services[service].src = at;
+            self.merge_params(c, service, &params, at);
+            self.spec.components[c].services[service].src = at;
             service
         } else {
-            let service = self.new_service(index, decl, name);
-            let outer = self.container.replace(self.components[index].services[service].def);
+            let service = self.new_service(c, decl, name);
+            let outer = self.container.replace(self.components[c].services[service].def);
             for NewParam { param, name_src } in params {
                 let node = param.src;
-                self.add_param(index, service, param, name_src, node, DefKind::Parameter);
+                self.add_param(c, service, param, name_src, node, DefKind::Parameter);
             }
             self.container = outer;
             service
         };
         if decl.kind == ServiceKind::Attribute && known.is_none() {
             let (visit, scope) = (self.visit, self.scope);
-            let state = &mut self.components[index].services[service];
+            let state = &mut self.components[c].services[service];
             state.paths =
                 decl.params.iter().map(|decl| PathSource { decl, visit, scope }).collect();
         }
         let node = self.src(decl.ptr);
         self.spec.owner_bodies.push(OwnerBody {
-            component: index,
+            component: c,
             owner: Owner::Service(service),
             node,
         });
-        let state = &mut self.components[index].services[service];
+        let state = &mut self.components[c].services[service];
         state.locals_here.clear();
         let container = state.def;
         let outer = self.container.replace(container);
         self.for_each(&decl.properties, |this, item| match item {
             Item::Property(property) => {
-                this.service_property(index, service, decl.kind, name, property);
+                this.service_property(c, service, decl.kind, name, property);
             }
             Item::Pragma(pragma) => this.pragma(pragma),
             _ => {}
@@ -96,9 +96,9 @@ impl<'a> Elaborator<'a> {
     }
 
     /// Returns true if a port or remote has the name, and reports it.
-    pub(super) fn taken_by_other(&mut self, index: ComponentId, name: &Text, at: Src) -> bool {
-        let state = &self.components[index];
-        let component = &self.spec.components[index];
+    pub(super) fn taken_by_other(&mut self, c: ComponentId, name: &Text, at: Src) -> bool {
+        let state = &self.components[c];
+        let component = &self.spec.components[c];
         let taken = if let Some(port) = state.port_by_name.get(name) {
             Some(("a port", component.ports[*port].src))
         } else {
@@ -108,7 +108,7 @@ impl<'a> Elaborator<'a> {
         let Some((what, place)) = taken else {
             return false;
         };
-        self.add_refused_name(index, name);
+        self.add_refused_name(c, name);
 
         self.report(
             Finding::new(NameProblem::Taken { name: name.clone(), what }, at)
@@ -120,12 +120,12 @@ impl<'a> Elaborator<'a> {
     /// Returns true if the service declared before has this kind; reports it otherwise.
     pub(super) fn check_kind(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         service: ServiceId,
         kind: ServiceKind,
         at: Src,
     ) -> bool {
-        let known = &self.spec.components[index].services[service];
+        let known = &self.spec.components[c].services[service];
         if known.kind == kind {
             return true;
         }
@@ -145,7 +145,7 @@ impl<'a> Elaborator<'a> {
         false
     }
 
-    fn new_service(&mut self, index: ComponentId, decl: &ServiceDecl, name: &Name) -> ServiceId {
+    fn new_service(&mut self, c: ComponentId, decl: &ServiceDecl, name: &Name) -> ServiceId {
         let at = self.src(name.ptr);
         let kind = match decl.kind {
             ServiceKind::Attribute => DefKind::Attribute,
@@ -154,21 +154,21 @@ impl<'a> Elaborator<'a> {
         };
         let node = self.src(decl.ptr);
         let def = self.define(kind, &name.text, at, node, None);
-        let service = self.insert_service(index, &name.text, decl.kind, at, def, None);
-        self.set_entity(def, Entity::Service(index, service));
+        let service = self.insert_service(c, &name.text, decl.kind, at, def, None);
+        self.set_entity(def, Entity::Service(c, service));
         service
     }
 
     pub(super) fn insert_service(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         name: &Text,
         kind: ServiceKind,
         src: Src,
         def: DefId,
         imported_from: Option<ComponentId>,
     ) -> ServiceId {
-        let services = &mut self.spec.components[index].services;
+        let services = &mut self.spec.components[c].services;
         let service = services.next_key();
         services.push(Service {
             name: name.clone(),
@@ -184,7 +184,7 @@ impl<'a> Elaborator<'a> {
             after: ServiceList::default(),
             imported_from,
         });
-        let state = &mut self.components[index];
+        let state = &mut self.components[c];
         state.services.push(ServiceState {
             def,
             params: Vec::new(),
@@ -202,7 +202,7 @@ impl<'a> Elaborator<'a> {
 
     fn service_property(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         service: ServiceId,
         kind: ServiceKind,
         name: &'a Name,
@@ -210,20 +210,19 @@ impl<'a> Elaborator<'a> {
     ) {
         let at = self.src(property.ptr);
         let word = keyword(&property.kind);
-        let (c, s) = (index, service);
         match &property.kind {
             PropertyKind::Doc(doc) => {
-                let mut docs = self.spec.components[c].services[s].doc.take();
+                let mut docs = self.spec.components[c].services[service].doc.take();
                 self.add_doc(&mut docs, doc);
-                self.spec.components[c].services[s].doc = docs;
+                self.spec.components[c].services[service].doc = docs;
             }
             PropertyKind::Throws(list) => {
-                let added = self.throws(list, index, Some(Owner::Service(service)));
-                union(&mut self.spec.components[c].services[s].throws, added);
+                let added = self.throws(list, c, Some(Owner::Service(service)));
+                union(&mut self.spec.components[c].services[service].throws, added);
             }
             PropertyKind::Interrupts(list) => {
                 let names = self.name_list(list, word);
-                let known = &mut self.components[c].services[s].lists[INTERRUPTS].names;
+                let known = &mut self.components[c].services[service].lists[INTERRUPTS].names;
                 for (name, src) in names {
                     if !known.iter().any(|(text, _)| *text == name) {
                         known.push((name, src));
@@ -231,7 +230,7 @@ impl<'a> Elaborator<'a> {
                 }
             }
             PropertyKind::Before(list) | PropertyKind::After(list) => {
-                self.order(index, service, name, list, word, at);
+                self.order(c, service, name, list, word, at);
             }
             PropertyKind::Task(task) => {
                 if kind != ServiceKind::Activity {
@@ -247,7 +246,7 @@ impl<'a> Elaborator<'a> {
                         .related(at, Role::ThisProperty),
                     );
                 } else if let Some(task) = task {
-                    self.activity_task(index, service, task, word, at);
+                    self.activity_task(c, service, task, word, at);
                 }
             }
             PropertyKind::Local { ty, declarators } => {
@@ -255,13 +254,13 @@ impl<'a> Elaborator<'a> {
                     let at = self.src(ty.ptr);
                     self.local_outside(at, "an attribute");
                 } else {
-                    self.locals(index, service, ty, declarators);
+                    self.locals(c, service, ty, declarators);
                 }
             }
             PropertyKind::Validate(codel) => {
-                self.codel_here(index, Owner::Service(service), codel, CodelKind::Validate);
+                self.codel_here(c, Owner::Service(service), codel, CodelKind::Validate);
             }
-            PropertyKind::Codel(codel) => self.service_codel(index, service, kind, name, codel, at),
+            PropertyKind::Codel(codel) => self.service_codel(c, service, kind, name, codel, at),
             other => {
                 self.error(
                     at,
@@ -278,7 +277,7 @@ impl<'a> Elaborator<'a> {
     /// The services that a service must run before or after.
     fn order(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         service: ServiceId,
         name: &Name,
         list: &'a [Name],
@@ -286,42 +285,42 @@ impl<'a> Elaborator<'a> {
         at: Src,
     ) {
         let names = self.name_list(list, word);
-        if self.once_in_service(index, service, word, at) {
+        if self.once_in_service(c, service, word, at) {
             let which = if word == "before" { BEFORE } else { AFTER };
             for (text, src) in &names {
                 if *text == name.text {
                     self.error(*src, DeclarationProblem::ListsItself { name: text.clone(), word });
                 }
             }
-            self.components[index].services[service].lists[which] = NameList { names };
+            self.components[c].services[service].lists[which] = NameList { names };
         }
     }
 
     /// The task that runs an activity.
     fn activity_task(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         service: ServiceId,
         task: &Name,
         word: &'static str,
         at: Src,
     ) {
-        let again = self.components[index].services[service].given.contains_key(word);
+        let again = self.components[c].services[service].given.contains_key(word);
         if again && self.spec.release.has(Change::MergedProperties) {
             // The first one counts.
-            self.task_named(index, task, at);
+            self.task_named(c, task, at);
             self.newer(Change::MergedProperties, "a second `task` of an activity", at);
-        } else if self.once_in_service(index, service, word, at)
-            && let Some(task) = self.task_named(index, task, at)
+        } else if self.once_in_service(c, service, word, at)
+            && let Some(task) = self.task_named(c, task, at)
         {
-            self.spec.components[index].services[service].task = Some(task);
+            self.spec.components[c].services[service].task = Some(task);
         }
     }
 
     /// A codel other than `validate`, in its place for the kind of service.
     fn service_codel(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         service: ServiceId,
         kind: ServiceKind,
         name: &Name,
@@ -333,14 +332,14 @@ impl<'a> Elaborator<'a> {
             (ServiceKind::Activity, false) => {
                 self.misplaced_codel(name, codel, at, DeclarationProblem::CodelWithoutState);
                 let owner = Owner::Service(service);
-                self.misplaced_params(index, owner, codel, CodelKind::Fsm);
+                self.misplaced_params(c, owner, codel, CodelKind::Fsm);
                 return;
             }
             (ServiceKind::Attribute | ServiceKind::Function, true) => {
                 let kind = kind_text(kind);
                 self.misplaced_codel(name, codel, at, DeclarationProblem::CodelWithState { kind });
                 let owner = Owner::Service(service);
-                self.misplaced_params(index, owner, codel, CodelKind::Fsm);
+                self.misplaced_params(c, owner, codel, CodelKind::Fsm);
                 return;
             }
             (ServiceKind::Attribute, false) => {
@@ -354,7 +353,7 @@ impl<'a> Elaborator<'a> {
             _ => {}
         }
         let kind = if stateful { CodelKind::Fsm } else { CodelKind::Simple };
-        self.codel_here(index, Owner::Service(service), codel, kind);
+        self.codel_here(c, Owner::Service(service), codel, kind);
     }
 
     fn misplaced_codel(
@@ -374,25 +373,25 @@ impl<'a> Elaborator<'a> {
 
     fn once_in_service(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         service: ServiceId,
         word: &'static str,
         at: Src,
     ) -> bool {
-        let state = &mut self.components[index].services[service];
+        let state = &mut self.components[c].services[service];
         let mut given = std::mem::take(&mut state.given);
         let first = self.once(&mut given, word, at);
-        self.components[index].services[service].given = given;
+        self.components[c].services[service].given = given;
         first
     }
 
     /// The task that an activity names; a missing one is reported.
-    fn task_named(&mut self, index: ComponentId, task: &Name, at: Src) -> Option<TaskId> {
-        let state = &self.components[index];
+    fn task_named(&mut self, c: ComponentId, task: &Name, at: Src) -> Option<TaskId> {
+        let state = &self.components[c];
         let Some(&found) = state.task_by_name.get(&task.text) else {
-            if self.is_excused(index, &task.text) {
+            if self.is_excused(c, &task.text) {
                 let name = task.text.clone();
-                self.lack_of(index, Missing::Task { name });
+                self.lack_of(c, Missing::Task { name });
                 return None;
             }
             let names = state.task_by_name.keys().map(SmolStr::as_str);
@@ -428,11 +427,10 @@ impl<'a> Elaborator<'a> {
     // The end of the body
 
     /// Resolves the lists of services, and checks that activities are complete.
-    pub(super) fn close_services(&mut self, index: ComponentId) {
-        let c = index;
+    pub(super) fn close_services(&mut self, c: ComponentId) {
         for s in self.spec.components[c].services.keys() {
             let lists = self.components[c].services[s].lists.clone();
-            let mut resolved = lists.iter().map(|name_list| self.resolve_list(index, name_list));
+            let mut resolved = lists.iter().map(|name_list| self.resolve_list(c, name_list));
             let (interrupts, before, after) = (resolved.next(), resolved.next(), resolved.next());
             drop(resolved);
             let service = &mut self.spec.components[c].services[s];
@@ -440,19 +438,19 @@ impl<'a> Elaborator<'a> {
             service.before = before.unwrap_or_default();
             service.after = after.unwrap_or_default();
             if self.spec.components[c].kind == ComponentKind::Component {
-                self.check_activity(index, s);
+                self.check_activity(c, s);
             }
         }
     }
 
-    fn resolve_list(&mut self, index: ComponentId, list: &NameList) -> ServiceList {
+    fn resolve_list(&mut self, c: ComponentId, list: &NameList) -> ServiceList {
         let mut resolved = ServiceList::default();
         for (name, at) in &list.names {
             if name == "all" {
                 resolved.all = true;
                 continue;
             }
-            let state = &self.components[index];
+            let state = &self.components[c];
             match state.service_by_name.get(name).copied() {
                 Some(service) => {
                     let def = state.services[service].def;
@@ -461,16 +459,16 @@ impl<'a> Elaborator<'a> {
                     }
                     resolved.services.push(service);
                 }
-                None if self.is_excused(index, name) => {
+                None if self.is_excused(c, name) => {
                     let name = name.clone();
-                    self.lack_of(index, Missing::Service { name });
+                    self.lack_of(c, Missing::Service { name });
                 }
                 None => {
                     let candidates = state.service_by_name.keys().map(SmolStr::as_str);
                     let near = self.near(*at, name, candidates);
                     let remote = state.remote_by_name.contains_key(name);
                     let name = name.clone();
-                    let component = self.spec.components[index].name.clone();
+                    let component = self.spec.components[c].name.clone();
                     let kind = if remote {
                         DeclarationProblem::OnlyRemote { name, component }
                     } else {
@@ -484,13 +482,13 @@ impl<'a> Elaborator<'a> {
         resolved
     }
 
-    fn check_activity(&mut self, index: ComponentId, service: ServiceId) {
-        let component = &self.spec.components[index];
+    fn check_activity(&mut self, c: ComponentId, service: ServiceId) {
+        let component = &self.spec.components[c];
         let activity = &component.services[service];
         if activity.kind != ServiceKind::Activity {
             return;
         }
-        let state = &self.components[index];
+        let state = &self.components[c];
         if state.incomplete {
             return;
         }

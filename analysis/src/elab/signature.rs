@@ -19,13 +19,13 @@ pub(super) struct NewParam {
 impl<'a> Elaborator<'a> {
     pub(super) fn service_params(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         decl: &'a ServiceDecl,
     ) -> Vec<NewParam> {
         let mut params: Vec<NewParam> = Vec::with_capacity(decl.params.len());
         let mut native = None;
         for param in &decl.params {
-            let Some(new) = self.service_param(index, param) else {
+            let Some(new) = self.service_param(c, param) else {
                 continue;
             };
             if native.is_none() && types::has_native(&self.spec, new.param.ty) {
@@ -58,7 +58,7 @@ impl<'a> Elaborator<'a> {
         params
     }
 
-    fn service_param(&mut self, index: ComponentId, decl: &'a ParamDecl) -> Option<NewParam> {
+    fn service_param(&mut self, c: ComponentId, decl: &'a ParamDecl) -> Option<NewParam> {
         let src = self.src(decl.ptr);
         let (mut param, name_src) = match &decl.spec {
             ParamSpec::Typed { ty, declarator } => {
@@ -79,7 +79,7 @@ impl<'a> Elaborator<'a> {
                 (param, self.src(declarator.name.ptr))
             }
             ParamSpec::Path { path, rename, .. } => {
-                let param = self.attribute_param(index, decl)?;
+                let param = self.attribute_param(c, decl)?;
                 let name = rename.as_deref().or_else(|| {
                     path.iter().rev().find_map(|step| match step {
                         PathStep::Member(name) => Some(name),
@@ -126,65 +126,63 @@ impl<'a> Elaborator<'a> {
 
     pub(super) fn add_param(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         service: ServiceId,
         param: Param,
         name_src: Src,
         node: Src,
         kind: DefKind,
     ) {
-        let position = self.spec.components[index].services[service].params.len() as u32;
+        let position = self.spec.components[c].services[service].params.len() as u32;
         let def = self.define(kind, &param.name, name_src, node, None);
         self.definitions[def.0 as usize].ty = Some(param.ty);
-        self.set_entity(def, Entity::Param(index, service, position));
-        self.push_param(index, service, param, def);
+        self.set_entity(def, Entity::Param(c, service, position));
+        self.push_param(c, service, param, def);
     }
 
     pub(super) fn push_param(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         service: ServiceId,
         param: Param,
         def: DefId,
     ) {
-        let (c, s) = (index, service);
-        self.spec.components[c].services[s].params.push(param);
-        self.components[c].services[s].params.push(def);
+        self.spec.components[c].services[service].params.push(param);
+        self.components[c].services[service].params.push(def);
     }
 
     /// Compares the parameters of a repeated declaration with those of the first.
     pub(super) fn merge_params(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         service: ServiceId,
         params: &[NewParam],
         at: Src,
     ) {
-        let (c, s) = (index, service);
         for (position, new) in params.iter().enumerate() {
-            let known = self.spec.components[c].services[s].params.get(position);
+            let known = self.spec.components[c].services[service].params.get(position);
             let known = known.filter(|param| param.dir != ParamDir::Local);
             if known.is_some_and(|param| param.name == new.param.name)
-                && let Some(&def) = self.components[c].services[s].params.get(position)
+                && let Some(&def) = self.components[c].services[service].params.get(position)
             {
                 self.refer_as(new.name_src, def, AccessKind::Declaration);
             }
         }
         let params: Vec<&Param> = params.iter().map(|param| &param.param).collect();
-        self.compare_params(index, service, &params, at, None);
+        self.compare_params(c, service, &params, at, None);
     }
 
     /// Reports parameters that differ from those of the service. `at` is the second declaration; with
     /// `import`, problems are reported there.
     pub(super) fn compare_params(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         service: ServiceId,
         params: &[&Param],
         at: Src,
         import: Option<Src>,
     ) {
-        let known = &self.spec.components[index].services[service];
+        let known = &self.spec.components[c].services[service];
         let expected: Vec<&Param> =
             known.params.iter().filter(|param| param.dir != ParamDir::Local).collect();
         let mut problems: Vec<Finding> = Vec::new();
@@ -254,7 +252,7 @@ impl<'a> Elaborator<'a> {
     /// Adds local variables, or compares them with existing ones of the same name.
     pub(super) fn locals(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         service: ServiceId,
         ty: &'a TypeRef,
         declarators: &'a [Declarator],
@@ -275,10 +273,10 @@ impl<'a> Elaborator<'a> {
                 path: Vec::new(),
                 init: None,
             };
-            let here = &mut self.components[index].services[service].locals_here;
+            let here = &mut self.components[c].services[service].locals_here;
             let again = here.contains(name);
             here.push(name.clone());
-            self.add_local(index, service, local, src, again);
+            self.add_local(c, service, local, src, again);
         }
     }
 
@@ -286,17 +284,17 @@ impl<'a> Elaborator<'a> {
     /// variable of its name.
     fn add_local(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         service: ServiceId,
         local: Param,
         src: Src,
         again: bool,
     ) {
-        let state = &self.components[index].services[service];
-        let known = &self.spec.components[index].services[service];
+        let state = &self.components[c].services[service];
+        let known = &self.spec.components[c].services[service];
         let position = known.params.iter().position(|param| param.name == local.name);
         let Some(position) = position else {
-            self.add_param(index, service, local, src, src, DefKind::Local);
+            self.add_param(c, service, local, src, src, DefKind::Local);
             return;
         };
         let old = &known.params[position];

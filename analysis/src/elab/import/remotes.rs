@@ -9,12 +9,7 @@ use crate::{
 };
 
 impl Elaborator<'_> {
-    pub(super) fn import_as_remotes(
-        &mut self,
-        index: ComponentId,
-        interface: ComponentId,
-        at: Src,
-    ) {
+    pub(super) fn import_as_remotes(&mut self, c: ComponentId, interface: ComponentId, at: Src) {
         let with_locals = self.spec.release.has(Change::RemoteCallsWithoutLocals);
         for number in self.components[interface].services.keys() {
             let from = &self.spec.components[interface];
@@ -40,45 +35,45 @@ impl Elaborator<'_> {
                 throws,
             };
             let def = self.components[interface].services[number].def;
-            self.add_remote(index, remote, def, at);
+            self.add_remote(c, remote, def, at);
         }
     }
 
-    pub(super) fn import_remotes(&mut self, index: ComponentId, interface: ComponentId, at: Src) {
+    pub(super) fn import_remotes(&mut self, c: ComponentId, interface: ComponentId, at: Src) {
         for number in self.components[interface].remotes.keys() {
             let remote = self.spec.components[interface].remotes[number].clone();
             let def = self.components[interface].remotes[number];
-            self.add_remote(index, remote, def, at);
+            self.add_remote(c, remote, def, at);
         }
     }
 
-    fn add_remote(&mut self, index: ComponentId, mut remote: Remote, def: DefId, at: Src) {
-        let state = &self.components[index];
+    fn add_remote(&mut self, c: ComponentId, mut remote: Remote, def: DefId, at: Src) {
+        let state = &self.components[c];
         if let Some(&service) = state.service_by_name.get(&remote.name) {
-            let place = self.spec.components[index].services[service].src;
+            let place = self.spec.components[c].services[service].src;
             self.report(
                 Finding::new(NameProblem::RemoteTaken { name: remote.name.clone() }, at)
                     .related(place, Role::Service)
                     .related(remote.src, Role::RemoteService),
             );
-            self.add_refused_name(index, &remote.name);
+            self.add_refused_name(c, &remote.name);
             return;
         }
         let scope = state.scope;
         if let Some(clash) = self.scopes.clash(scope, &remote.name, false) {
             self.report_clash(scope, &remote.name, at, clash);
-            self.add_refused_name(index, &remote.name);
+            self.add_refused_name(c, &remote.name);
             return;
         }
-        let number = self.spec.components[index].remotes.next_key();
-        let kind = TypeKind::Remote { component: index, remote: number };
+        let number = self.spec.components[c].remotes.next_key();
+        let kind = TypeKind::Remote { component: c, remote: number };
         let ty = self.named(kind, scope, remote.name.clone(), remote.src);
         self.type_defs[ty.0 as usize] = Some(def);
         self.declare_at(scope, &remote.name, at, ty);
         remote.ty = ty;
-        let state = &mut self.components[index];
+        let state = &mut self.components[c];
         state.remote_by_name.insert(remote.name.clone(), number);
         state.remotes.push(def);
-        self.spec.components[index].remotes.push(remote);
+        self.spec.components[c].remotes.push(remote);
     }
 }

@@ -18,20 +18,20 @@ impl Elaborator<'_> {
     /// interface and in the component, for adding the codels.
     pub(super) fn import_services(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         interface: ComponentId,
         at: Src,
     ) -> Vec<(ServiceId, ServiceId)> {
         let mut pairs = Vec::new();
         for number in self.components[interface].services.keys() {
             let service = self.spec.components[interface].services[number].clone();
-            if self.taken_by_other(index, &service.name, at) {
+            if self.taken_by_other(c, &service.name, at) {
                 continue;
             }
-            let params = self.imported_params(index, interface, number, &service);
-            let known = self.components[index].service_by_name.get(&service.name).copied();
+            let params = self.imported_params(c, interface, number, &service);
+            let known = self.components[c].service_by_name.get(&service.name).copied();
             let own = if let Some(own) = known {
-                if !self.check_kind(index, own, service.kind, at) {
+                if !self.check_kind(c, own, service.kind, at) {
                     continue;
                 }
                 let plain: Vec<&Param> = params
@@ -39,15 +39,15 @@ impl Elaborator<'_> {
                     .map(|(param, _)| param)
                     .filter(|param| param.dir != ParamDir::Local)
                     .collect();
-                self.compare_params(index, own, &plain, at, Some(at));
-                self.merge_locals(index, own, &params, at);
-                let known = &mut self.spec.components[index].services[own];
+                self.compare_params(c, own, &plain, at, Some(at));
+                self.merge_locals(c, own, &params, at);
+                let known = &mut self.spec.components[c].services[own];
                 known.src = service.src;
                 own
             } else {
                 let def = self.components[interface].services[number].def;
                 let own = self.insert_service(
-                    index,
+                    c,
                     &service.name,
                     service.kind,
                     service.src,
@@ -55,15 +55,15 @@ impl Elaborator<'_> {
                     Some(interface),
                 );
                 for (param, def) in params {
-                    self.push_param(index, own, param, def);
+                    self.push_param(c, own, param, def);
                 }
                 let paths = self.components[interface].services[number].paths.clone();
-                self.components[index].services[own].paths = paths;
+                self.components[c].services[own].paths = paths;
                 own
             };
-            self.import_service_properties(index, interface, number, own, &service, at);
+            self.import_service_properties(c, interface, number, own, &service, at);
             let codels = &self.components[interface].services[number].codels;
-            self.import_states(index, codels.clone());
+            self.import_states(c, codels.clone());
             pairs.push((number, own));
         }
         pairs
@@ -72,7 +72,7 @@ impl Elaborator<'_> {
     /// The parameters of a service of an interface, as the importing component sees them.
     fn imported_params(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         interface: ComponentId,
         number: ServiceId,
         service: &Service,
@@ -88,7 +88,7 @@ impl Elaborator<'_> {
             for source in state.paths.clone() {
                 let param = self.in_visit(source.visit, |this| {
                     this.within(source.scope, this.container, |this| {
-                        this.attribute_param(index, source.decl)
+                        this.attribute_param(c, source.decl)
                     })
                 });
                 let Some(mut param) = param else { continue };
@@ -103,16 +103,16 @@ impl Elaborator<'_> {
 
     fn merge_locals(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         service: ServiceId,
         params: &[(Param, DefId)],
         at: Src,
     ) {
         for (local, def) in params.iter().filter(|(param, _)| param.dir == ParamDir::Local) {
-            let known = &self.spec.components[index].services[service];
+            let known = &self.spec.components[c].services[service];
             let old = known.params.iter().find(|param| param.name == local.name);
             let Some(old) = old else {
-                self.push_param(index, service, local.clone(), *def);
+                self.push_param(c, service, local.clone(), *def);
                 continue;
             };
             let same = old.dir == local.dir && equal(&self.spec, old.ty, local.ty);
@@ -135,7 +135,7 @@ impl Elaborator<'_> {
 
     fn import_service_properties(
         &mut self,
-        index: ComponentId,
+        c: ComponentId,
         interface: ComponentId,
         number: ServiceId,
         own: ServiceId,
@@ -145,10 +145,10 @@ impl Elaborator<'_> {
         let theirs = self.components[interface].services[number].clone();
         let task = service.task.and_then(|task| {
             let name = &self.spec.components[interface].tasks[task].name;
-            self.components[index].task_by_name.get(name).copied()
+            self.components[c].task_by_name.get(name).copied()
         });
-        let to = &mut self.spec.components[index].services[own];
-        let state = &mut self.components[index].services[own];
+        let to = &mut self.spec.components[c].services[own];
+        let state = &mut self.components[c].services[own];
         if let Some(doc) = &service.doc {
             join_doc(&mut to.doc, doc);
         }
