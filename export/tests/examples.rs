@@ -5,7 +5,6 @@ use std::path::Path;
 use dotgen_export::{Format, Place, export};
 use dotgen_timing::scn::ast::{Durations, Policy};
 use dotgen_timing::scn::parse_check;
-use dotgen_timing::scn::semantics::Preset;
 use dotgen_timing::verify::Options;
 
 use crate::read_back::{Counts, compare_system};
@@ -140,8 +139,12 @@ fn refusals(options: &Options) -> Vec<String> {
 fn what_is_not_translated_is_refused_by_name() {
     let edf = Options { policy: Some(Policy::Edf), ..Options::default() };
     assert_eq!(refusals(&edf), ["not exported: `policy edf`"]);
-    let published = Options { semantics: Some(Preset::Published), ..Options::default() };
-    assert_eq!(refusals(&published), ["not exported: `semantics published`"]);
+    let mixed = "scenario s { semantics published; locks fifo; check deadlock; }";
+    let text = "component c { ids { long f; }; };".to_owned();
+    let system = System::of_texts(&[text], mixed).expect("the specification has no error");
+    let prepared = system.prepared(&Options::default());
+    let refused = export(&prepared, &|_, _| None, Format::Uppaal).expect_err("it is refused");
+    assert_eq!(refused[0].to_string(), "not exported: `semantics published with locks fifo`");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use dotgen_timing::explore::Limits;
 use dotgen_timing::report::Verdict;
 use dotgen_timing::verify::Options;
 
-use crate::random_systems::random;
+use crate::random_systems::{published, random};
 use crate::systems::{Dice, System};
 
 /// Limit on states of a program.
@@ -452,7 +452,7 @@ fn compare(system: &System, path: &str, format: Format, answer: Answer) -> [usiz
 pub(crate) fn compare_random(systems: u64, format: Format, answer: Answer) {
     let (mut equal, mut tried) = ([0, 0], 0);
     for seed in 0..dotgen_loaders::times(systems) {
-        let draw = if seed % 2 == 0 { random::texts } else { random::patterned };
+        let draw = [random::texts, random::patterned, published][seed as usize % 3];
         let texts = draw(&mut Dice::new(seed));
         let Some(system) = System::of_texts(&texts.specifications, &texts.scenario) else {
             continue;

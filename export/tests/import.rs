@@ -13,7 +13,7 @@ use dotgen_timing::scn::parse_check;
 use dotgen_timing::verify::{Options, Prepared};
 use dotgen_xta::{Answer, Limits, Trace};
 
-use crate::random_systems::random;
+use crate::random_systems::{published, random};
 use crate::systems::{Dice, System};
 
 /// Limit on symbolic states of a query.
@@ -271,6 +271,11 @@ fn random_systems() {
 #[test]
 fn random_patterns() {
     compare_random(random::patterned, 1000);
+}
+
+#[test]
+fn random_published_systems() {
+    compare_random(published, 2000);
 }
 
 /// In the exported model, loops with a limit are unfolded: its states and yields have other numbers.

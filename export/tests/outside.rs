@@ -7,10 +7,12 @@ use std::process::Command;
 use dotgen_export::{Format, export};
 use dotgen_timing::report::{CheckReport, Soundness, Value, Verdict};
 use dotgen_timing::scn::ast::{Durations, Policy};
+use dotgen_timing::scn::semantics::Preset;
 use dotgen_timing::verify::{Options, Prepared, PreparedCheck, Question};
 use num_rational::Ratio;
 
-use crate::systems::System;
+use crate::random_systems::{published, random};
+use crate::systems::{Dice, System};
 
 /// Time that TChecker gets for one question, in seconds.
 const SECONDS: &str = "60";
@@ -61,6 +63,25 @@ fn servers_with_other_options() {
     judge(&scenarios, FEW_SECONDS, &on(Some(1), Policy::Any, Durations::Interval));
     judge(&scenarios, FEW_SECONDS, &on(Some(2), Policy::Fifo, Durations::Interval));
     judge(&scenarios, FEW_SECONDS, &on(None, Policy::Fifo, Durations::Interval));
+    let published = Options { semantics: Some(Preset::Published), ..Options::default() };
+    judge(&scenarios, FEW_SECONDS, &published);
+}
+
+#[test]
+fn random_systems() {
+    let Some(program) = std::env::var_os("DOTGEN_TCHECKER") else {
+        return dotgen_loaders::skip("no data: DOTGEN_TCHECKER names no program `tck-reach`");
+    };
+    let mut counts = Counts::default();
+    for seed in 0..dotgen_loaders::times(20) {
+        let draw = if seed % 2 == 0 { random::texts } else { published };
+        let texts = draw(&mut Dice::new(seed));
+        if let Some(of) = System::of_texts(&texts.specifications, &texts.scenario) {
+            let asked = (Path::new(&program), FEW_SECONDS);
+            system(asked, &of, &format!("seed {seed}"), &Options::default(), &mut counts);
+        }
+    }
+    report(&counts, FEW_SECONDS);
 }
 
 #[test]

@@ -53,7 +53,7 @@ fn patterns() {
 }
 
 /// Returns such a system under the semantics of the published models, with or without patterns.
-fn published(dice: &mut Dice) -> Texts {
+pub(crate) fn published(dice: &mut Dice) -> Texts {
     let mut out = if dice.in_ten(3) { random::patterned(dice) } else { random::texts(dice) };
     let lines = out.scenario.lines().map(|line| match line.trim_start().split(' ').next() {
         Some("semantics") => "  semantics published;",

@@ -213,10 +213,8 @@ impl<'c> Checks<'c> {
     /// condition holds.
     fn clocks(&self, task: &TaskPart, while_: &Guard) -> Vec<(Guard, String)> {
         let of_side = |&(number, side): &(usize, &str)| {
-            let measures = match self.layout.jobs {
-                true => Guard::always(),
-                false => task.flag("measures").is(number),
-            };
+            let measures =
+                if self.layout.jobs { Guard::always() } else { task.flag("measures").is(number) };
             (all([while_.clone(), measures]), format!("job_{}_{side}", task.name))
         };
         self.sides().iter().map(of_side).collect()

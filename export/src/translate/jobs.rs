@@ -70,12 +70,7 @@ pub(super) fn declare(layout: &Layout, network: &mut Network) {
     let what = "number of components whose start has begun";
     declare(BOOTED.into(), None, layout.parts.len(), what);
     channel("begin".into(), "a task begins a cycle");
-    let mut executor = |name: &str, declare: &mut dyn FnMut(String, Option<usize>, usize, &str)| {
-        let what = "codel that it waits for or executes, from 1; 0: none";
-        declare(format!("wants_{name}"), None, codels, what);
-        declare(format!("codel_{name}"), None, codels, "codel that it executes; 0: none");
-        clock(format!("x_{name}"), format!("time of the codel that {name} executes"));
-    };
+    let mut executors: Vec<&str> = Vec::new();
     for part in &layout.parts {
         let name = &part.name;
         let most = part.tasks.len();
@@ -89,7 +84,7 @@ pub(super) fn declare(layout: &Layout, network: &mut Network) {
             declare(format!("sender_{name}"), None, clients, "client of the request, from 1");
         }
         if part.has_control_codels() {
-            executor(name, &mut declare);
+            executors.push(name);
         }
         for task in &part.tasks {
             let name = &task.name;
@@ -127,10 +122,16 @@ pub(super) fn declare(layout: &Layout, network: &mut Network) {
                     let what = "1: interrupted, not noticed yet";
                     declare(format!("interrupted_{name}"), None, 1, what);
                 }
-                executor(name, &mut declare);
+                executors.push(name);
                 channel(format!("turn_{name}"), "its turn begins");
             }
         }
+    }
+    for name in executors {
+        let what = "codel that it waits for or executes, from 1; 0: none";
+        declare(format!("wants_{name}"), None, codels, what);
+        declare(format!("codel_{name}"), None, codels, "codel that it executes; 0: none");
+        clock(format!("x_{name}"), format!("time of the codel that {name} executes"));
     }
     for part in &layout.parts {
         for task in &part.tasks {
@@ -161,10 +162,8 @@ impl Layout<'_> {
 
     /// Returns the places of the activities of a service.
     pub(super) fn places(&self, service: ServiceId) -> &[AutomatonId] {
-        match self.system.requested()[service] {
-            true => &self.system.services[service].slots,
-            false => &[],
-        }
+        let is_requested = self.system.requested()[service];
+        if is_requested { &self.system.services[service].slots } else { &[] }
     }
 
     fn by_deadline(&self) -> bool {

@@ -59,9 +59,10 @@ impl Writer<'_> {
                 self.out.edge(edge.when(part.takes_requests()));
             }
         }
-        let first = match self.validates() {
-            true => self.next(&takes, 0, "validates the request"),
-            false => Edge::new(&takes, &accepts, "the request needs no validation"),
+        let first = if self.validates() {
+            self.next(&takes, 0, "validates the request")
+        } else {
+            Edge::new(&takes, &accepts, "the request needs no validation")
         };
         self.out.edge(first);
         if layout.system.services[self.service].activity {

@@ -93,17 +93,19 @@ fn insert(layout: &Layout, task: &TaskPart, out: &mut Process) {
     updates.push(length.clone().set(length.clone().plus(1)));
     updates.push(at.clone().set(0_usize));
     let mut add = |guard: Guard, clock: Option<(&TaskPart, Relation, i64)>, passes: bool| {
-        let (target, comment) = match passes {
-            true => ("inserts", "the deadline there is not later"),
-            false => ("waits", "takes its place"),
+        let (target, comment) = if passes {
+            ("inserts", "the deadline there is not later")
+        } else {
+            ("waits", "takes its place")
         };
         let mut edge = Edge::new("inserts", target, comment).when(guard);
         if let Some((other, relation, value)) = clock {
             edge = edge.when_clock(&waits_clock(other), relation, value);
         }
-        out.edge(match passes {
-            true => edge.with([at.clone().set(at.clone().plus(1))]),
-            false => edge.sends("step").with(updates.clone()),
+        out.edge(if passes {
+            edge.with([at.clone().set(at.clone().plus(1))])
+        } else {
+            edge.sends("step").with(updates.clone())
         });
     };
     add(at.clone().is(length), None, false);

@@ -130,12 +130,11 @@ impl<'f> Finder<'f> {
         });
         if after_operand {
             let operators = self.operand(rest).and_then(|target| self.operators(&target));
-            match operators {
-                Some(operators) => self.words(operators),
-                None => {
-                    self.words(&["and", "or"]);
-                    self.words(more);
-                }
+            if let Some(operators) = operators {
+                self.words(operators);
+            } else {
+                self.words(&["and", "or"]);
+                self.words(more);
             }
             return true;
         }
