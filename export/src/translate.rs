@@ -1,10 +1,10 @@
 //! From the timed system to a network of timed automata, by the rules of the servers (section 21 of the timed
 //! semantics) or of the published models ([`jobs`]).
 //!
-//! By the rules of the servers, there is one process for each task, timer, control task and client, and one `scheduler`. An action of the
-//! verifier is one edge of a process, or a chain of edges through committed locations. Its last edge sends
-//! `step` to the scheduler, which does what must follow at once: clients proceed, tasks ask for a core, cores
-//! are granted, in this order. Then the scheduler is `busy`: no time passes. It becomes `calm`, and time may
+//! By the rules of the servers, there is one process for each task, timer, control task and client, and one
+//! `scheduler`. An action of the verifier is one edge of a process, or a chain of edges through committed
+//! locations. Its last edge sends `step` to the scheduler, which does what must follow at once: clients
+//! proceed, tasks ask for a core, cores are granted, in this order. Then the scheduler is `busy`: no time passes. It becomes `calm`, and time may
 //! pass, when no action remains that must happen first. Ends of codels and ticks are bounded by invariants.
 
 mod activities;
@@ -17,6 +17,7 @@ mod layout;
 mod monitors;
 mod names;
 mod predicates;
+mod published;
 mod refusals;
 mod requests;
 mod scheduler;
@@ -69,7 +70,7 @@ pub fn translate(prepared: &Prepared, place: &Place) -> Result<Network, Vec<Refu
     };
     network.header.extend(layout.renamed.iter().cloned());
     if layout.jobs {
-        jobs::declare(&layout, &mut network);
+        published::declare(&layout, &mut network);
     }
     layout.declare(&mut network);
     let checks = checks::Checks::new(&layout, prepared)?;

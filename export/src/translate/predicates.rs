@@ -5,8 +5,8 @@ use dotgen_timing::system::CodelId;
 
 use crate::model::{Guard, all, any, var};
 
-use super::jobs;
 use super::layout::{Layout, executed, number, position, status, step, wanted};
+use super::published::has_status;
 
 /// Predicates as conditions of a network in which variables hold the values before the last action.
 pub(super) struct Conditions<'c> {
@@ -76,7 +76,7 @@ pub(super) fn atom(layout: &Layout, atom: &Atom) -> Guard {
             let codel = layout.system.machines[*machine].states[*state].codel;
             in_phase(layout, codel, *phase)
         }
-        Atom::Slot(service, of) if layout.jobs => jobs::has_status(layout, *service, *of),
+        Atom::Slot(service, of) if layout.jobs => has_status(layout, *service, *of),
         Atom::Slot(service, of) => {
             let Some((part, kind)) = layout.kind_of(*service) else {
                 return if *of == SlotStatus::Void { Guard::always() } else { any([]) };

@@ -3,11 +3,11 @@
 use dotgen_timing::explore::Action;
 use dotgen_timing::system::{AutomatonId, FOREVER, Machine, Yield};
 
-use crate::model::{Edge, Guard, LocationKind, Process, Relation, Update};
+use crate::model::{Edge, LocationKind, Process, Relation, Update};
 
 use super::super::layout::{Layout, Part, executed, number, wanted};
+use super::super::published::{mode, permanent};
 use super::super::unique::Unique;
-use super::{mode, permanent};
 
 struct Writer<'w> {
     layout: &'w Layout<'w>,
@@ -148,9 +148,4 @@ impl Writer<'_> {
             }
         }
     }
-}
-
-/// Returns the condition that an activity is interrupted.
-pub(super) fn is_interrupted(layout: &Layout, id: AutomatonId) -> Guard {
-    layout.interrupted(id).is(1_usize)
 }

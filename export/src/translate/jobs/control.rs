@@ -3,10 +3,10 @@
 use dotgen_timing::explore::Action;
 use dotgen_timing::system::{AutomatonId, CodelId, FOREVER, ServiceId};
 
-use crate::model::{Edge, Guard, LocationKind, Process, Relation, Term, Update, all, any};
+use crate::model::{Edge, LocationKind, Process, Relation, Term, Update, all};
 
 use super::super::layout::{Layout, Part, executed, number, step, tracked, wanted};
-use super::mode;
+use super::super::published::mode;
 
 /// Returns the process of a control task.
 pub(super) fn process(layout: &Layout, part: &Part) -> Process {
@@ -211,28 +211,4 @@ fn examine(layout: &Layout, part: &Part) -> Vec<Update> {
         out.push(layout.mode(id).set_if(released, mode::RUNS));
     }
     out
-}
-
-/// Returns the condition that an activity of a service has a status.
-pub(in super::super) fn has_status(
-    layout: &Layout,
-    service: ServiceId,
-    status: dotgen_timing::property::SlotStatus,
-) -> Guard {
-    use dotgen_timing::property::SlotStatus;
-    let has = |id: &AutomatonId| {
-        let (mode, interrupted) = (layout.mode(*id), layout.interrupted(*id));
-        match status {
-            SlotStatus::Void | SlotStatus::Active => mode.is_not(mode::FREE),
-            SlotStatus::Wait => mode.is(mode::ACCEPTED),
-            SlotStatus::Run => all([mode.is(mode::RUNS), interrupted.is(0_usize)]),
-            // An interrupted activity counts as stopping at once.
-            SlotStatus::Stop => {
-                let noticed = mode.clone().is(mode::STOPS);
-                any([noticed, all([mode.is(mode::RUNS), interrupted.is(1_usize)])])
-            }
-        }
-    };
-    let some = any(layout.places(service).iter().map(has));
-    if status == SlotStatus::Void { some.negated() } else { some }
 }

@@ -6,8 +6,7 @@ use crate::model::{Edge, Guard, LocationKind, Process, Relation, Term, Update, a
 
 use super::super::checks::Checks;
 use super::super::layout::{Layout, Part, TaskPart, position};
-use super::activity::is_interrupted;
-use super::{mode, waits_clock};
+use super::super::published::{mode, waits_clock};
 
 /// Returns the process of a task.
 pub(super) fn process(layout: &Layout, part: &Part, task: &TaskPart, checks: &Checks) -> Process {
@@ -144,7 +143,7 @@ fn turns(layout: &Layout, part: &Part, task: &TaskPart, out: &mut Process) {
             out.edge(give.when(works));
             continue;
         }
-        let interrupted = is_interrupted(layout, id);
+        let interrupted = layout.interrupted(id).is(1_usize);
         out.edge(give.clone().when(all([works.clone(), interrupted.negated()])));
         let noticed = layout.interrupted(id).set(0_usize);
         let stopped = all([works, interrupted]);

@@ -1,10 +1,9 @@
 //! The process that starts the tasks of a component, each after the first codel of the previous one.
 
-use crate::model::{Edge, LocationKind, Process, all};
+use crate::model::{Edge, LocationKind, Process, all, var};
 
 use super::super::layout::{Layout, Part, position, step};
-use super::{BOOTED, permanent};
-use crate::model::var;
+use super::super::published::{BOOTED, permanent};
 
 /// Returns the process of a component's start.
 pub(super) fn process(layout: &Layout, part: &Part) -> Process {
