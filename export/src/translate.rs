@@ -5,8 +5,8 @@
 //! `scheduler`. An action of the verifier is one edge of a process, or a chain of edges through committed
 //! locations. Its last edge sends `step` to the scheduler, which does what must follow at once: clients
 //! proceed, tasks ask for a core, cores are granted, in this order. Then the scheduler is `busy`: no time
-//! passes. It becomes `calm`, and time may pass, when no action remains that must happen first. Ends of codels
-//! and ticks are bounded by invariants.
+//! passes. It becomes `calm`, and time may pass, when no action remains that must happen first. Ends of
+//! codels and ticks are bounded by invariants.
 
 mod activities;
 mod checks;
