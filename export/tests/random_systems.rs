@@ -70,3 +70,20 @@ fn published_systems() {
     let counts = compare_all(20, 2000, published);
     assert!(counts.equal > 40 || std::env::var_os("DOTGEN_SEED").is_some(), "{counts:?}");
 }
+
+/// Returns such a system with clients that depend on the outcomes of their requests.
+fn outcomes(dice: &mut Dice) -> Texts {
+    let mut out = random::requests(dice);
+    let is_kept = |line: &&str| {
+        let first = line.trim_start().split(' ').next().unwrap_or_default();
+        !matches!(first, "abort" | "kill" | "connect" | "ticks" | "turns" | "locks" | "pause")
+    };
+    out.scenario = out.scenario.lines().filter(is_kept).collect::<Vec<_>>().join("\n");
+    out
+}
+
+#[test]
+fn systems_with_outcomes() {
+    let counts = compare_all(10, 3000, outcomes);
+    assert!(counts.equal > 20 || std::env::var_os("DOTGEN_SEED").is_some(), "{counts:?}");
+}

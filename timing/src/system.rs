@@ -313,7 +313,7 @@ impl Client {
     }
 
     /// Returns true if the client depends on whether the requests of a tracker succeed.
-    pub(crate) fn asks_outcome(&self, tracker: usize) -> bool {
+    pub fn asks_outcome(&self, tracker: usize) -> bool {
         let mut steps = self.steps.iter();
         steps.any(|step| matches!(step.action, ClientAction::AwaitOutcome(t, _) if t == tracker))
     }

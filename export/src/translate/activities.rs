@@ -33,12 +33,16 @@ pub(super) fn free(layout: &Layout, part: &Part, place: &Term) -> Vec<Update> {
         part.state(place.clone()).set(0_usize),
         part.permanent(place.clone()).set(0_usize),
     ];
-    out.extend(part.clear(place));
     for (client, number) in layout.trackers() {
         let tracker = layout.tracker(client, number);
-        let value = place.clone().plus((tracked::PLACE + part.offset) as i64);
-        out.push(tracker.clone().set_if(tracker.is(value), tracked::NOTHING));
+        let follows = tracker.clone().is(place.clone().plus((tracked::PLACE + part.offset) as i64));
+        if layout.asks_outcome(client, number) {
+            let failed = all([follows.clone(), part.success(place.clone()).is(0_usize)]);
+            out.push(tracker.clone().set_if(failed, tracked::FAILED));
+        }
+        out.push(tracker.set_if(follows, tracked::NOTHING));
     }
+    out.extend(part.clear(place));
     out
 }
 

@@ -63,6 +63,11 @@ pub(super) fn process(layout: &Layout, id: ClientId) -> Process {
                     let edge = edge.begins(Action::Finish { executor, outcome: next });
                     arrive(edge.when_clock(&clock, Relation::AtLeast, *lower), next)
                 }
+                ClientAction::AwaitAny => {
+                    let edge = edge("the outcome is known").receives("proceed");
+                    let guard = waits_for(layout, id, next).unwrap_or(any([]));
+                    arrive(edge.when(guard).begins(Action::Proceed { client: id, next }), next)
+                }
                 _ => {
                     let edge = edge("what it waits for has happened").receives("proceed");
                     let guard = waits_for(layout, id, at).unwrap_or(any([]));
@@ -79,8 +84,19 @@ pub(super) fn process(layout: &Layout, id: ClientId) -> Process {
 fn waits_for(layout: &Layout, id: ClientId, step: usize) -> Option<Guard> {
     match layout.system.clients[id].steps[step].action {
         ClientAction::AwaitAccepted => Some(layout.outstanding(id).is(0_usize)),
-        ClientAction::AwaitEnded(tracker) => Some(layout.tracker(id, tracker).is(tracked::NOTHING)),
-        _ => None,
+        ClientAction::AwaitEnded(tracker) => {
+            let tracker = layout.tracker(id, tracker);
+            Some(any([tracker.clone().is(tracked::NOTHING), tracker.is(tracked::FAILED)]))
+        }
+        ClientAction::AwaitOutcome(tracker, success) => {
+            let value = if success { tracked::NOTHING } else { tracked::FAILED };
+            Some(layout.tracker(id, tracker).is(value))
+        }
+        ClientAction::AwaitAny => {
+            let next = layout.system.clients[id].steps[step].next.iter();
+            Some(any(next.filter_map(|&next| waits_for(layout, id, next))))
+        }
+        ClientAction::Send { .. } | ClientAction::Delay(..) => None,
     }
 }
 

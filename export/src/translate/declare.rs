@@ -36,8 +36,8 @@ impl Layout<'_> {
             declare(format!("step_{name}"), None, client.done() + 1, what);
             declare(format!("asks_{name}"), None, 1, "1: its last request is not answered");
             for tracker in 0..client.trackers {
-                let what = "activity that it follows: 0 none, 1 not accepted yet, else a place + 2";
-                declare(format!("follows_{name}_{tracker}"), None, places + 2, what);
+                let what = "activity that it follows: 0 none, 1 not accepted yet, 2 failed, else a place + 3";
+                declare(format!("follows_{name}_{tracker}"), None, places + 3, what);
             }
         }
         let mut clock =

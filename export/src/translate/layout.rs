@@ -45,7 +45,9 @@ pub(super) mod step {
 pub(super) mod tracked {
     pub(crate) const NOTHING: usize = 0;
     pub(crate) const HANDLED: usize = 1;
-    pub(crate) const PLACE: usize = 2;
+    /// The request has ended without success; only if the client depends on the outcome.
+    pub(crate) const FAILED: usize = 2;
+    pub(crate) const PLACE: usize = 3;
 }
 
 /// The names of the parts of a system.
@@ -401,6 +403,16 @@ impl<'s> Layout<'s> {
 
     pub(super) fn tracker(&self, client: ClientId, tracker: usize) -> Term {
         var(&format!("follows_{}_{tracker}", self.client_name(client)))
+    }
+
+    /// Returns true if a client depends on the outcome of the request of a tracker.
+    pub(super) fn asks_outcome(&self, client: ClientId, tracker: usize) -> bool {
+        self.system.clients[client].asks_outcome(tracker)
+    }
+
+    /// Returns true if some client depends on the outcome of a request.
+    pub(super) fn asks_outcomes(&self) -> bool {
+        self.trackers().iter().any(|&(client, tracker)| self.asks_outcome(client, tracker))
     }
 
     pub(super) fn client_name(&self, client: ClientId) -> &str {

@@ -82,9 +82,8 @@ pub(super) fn of_system(prepared: &Prepared) -> Vec<Refusal> {
                         refuse(builtin.name());
                     }
                 }
-                ClientAction::AwaitOutcome(_, true) => refuse("await ended ok"),
-                ClientAction::AwaitOutcome(_, false) => refuse("await ended failed"),
-                ClientAction::AwaitAny
+                ClientAction::AwaitOutcome(..)
+                | ClientAction::AwaitAny
                 | ClientAction::AwaitAccepted
                 | ClientAction::AwaitEnded(_)
                 | ClientAction::Delay(..) => {}

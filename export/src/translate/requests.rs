@@ -189,23 +189,23 @@ impl Writer<'_> {
             let accepted = edge("examines", "the activity is accepted");
             let accepted = accepted.when(refused.clone().is(0_usize));
             let value = place.clone().plus((tracked::PLACE - 1 + part.offset) as i64);
-            let accepted = accepted.with(self.answered(&value)).with(examine(part));
+            let accepted = accepted.with(self.answered(&value, false)).with(examine(part));
             self.out.edge(accepted);
             let rejected = edge("examines", "rejected for lack of a place");
             let rejected =
                 rejected.when(all([refused.clone().is(1_usize), place.clone().is(0_usize)]));
             let nothing = Term::from(tracked::NOTHING);
-            self.out.edge(rejected.with(self.answered(&nothing)).with(examine(part)));
+            self.out.edge(rejected.with(self.answered(&nothing, true)).with(examine(part)));
             let edge = edge("examines", "refused: its place is free again");
             let edge = edge.when(all([refused.is(1_usize), place.clone().is_not(0_usize)]));
             let freed = free(layout, part, &place.plus(-1));
-            self.out.edge(edge.with(freed).with(self.answered(&nothing)).with(examine(part)));
+            self.out.edge(edge.with(freed).with(self.answered(&nothing, true)).with(examine(part)));
             return;
         }
         let nothing = Term::from(tracked::NOTHING);
         let refusal = edge("examines", "the request is refused").when(refused.clone().is(1_usize));
-        self.out.edge(refusal.with(self.answered(&nothing)).with(examine(part)));
-        let mut last = self.answered(&nothing);
+        self.out.edge(refusal.with(self.answered(&nothing, true)).with(examine(part)));
+        let mut last = self.answered(&nothing, false);
         if layout.notes_success(self.service) {
             last.insert(0, layout.success(self.service).set(1_usize));
         }
@@ -226,8 +226,9 @@ impl Writer<'_> {
         self.out.edge(end.with(last).with(examine(part)));
     }
 
-    /// Returns the updates of the answer. `tracked`: what the client follows from now on.
-    fn answered(&self, tracked: &Term) -> Vec<Update> {
+    /// Returns the updates of the answer, also to a refused request. `tracked`: what the client follows from
+    /// now on.
+    fn answered(&self, tracked: &Term, refused: bool) -> Vec<Update> {
         let (layout, part) = (self.layout, self.part);
         let sender = part.own("sender");
         let mut out = Vec::new();
@@ -237,7 +238,9 @@ impl Writer<'_> {
                 sender.clone().is(usize::from(client) + 1),
                 tracker.clone().is(tracked::HANDLED),
             ]);
-            out.push(tracker.set_if(is_new, tracked.clone()));
+            let failed = refused && layout.asks_outcome(client, number);
+            let value = if failed { Term::from(tracked::FAILED) } else { tracked.clone() };
+            out.push(tracker.set_if(is_new, value));
         }
         for client in layout.system.clients.keys() {
             let asks = layout.outstanding(client);

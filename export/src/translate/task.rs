@@ -378,7 +378,8 @@ impl<'w> Writer<'w> {
     /// Returns the end by an exception, if it differs from the ends by yields.
     fn throws(&self, kind: &Kind, state: &State) -> Option<Option<Yield>> {
         let throws = self.layout.system.codels[state.codel].throws;
-        let noted = kind.service.is_none_or(|service| self.layout.notes_success(service));
+        let noted = self.layout.asks_outcomes()
+            || kind.service.is_none_or(|service| self.layout.notes_success(service));
         (throws && (noted || !state.yields.contains(&Yield::End))).then_some(None)
     }
 
