@@ -30,6 +30,7 @@ mod packaging;
 mod pictures;
 mod processes;
 mod protocol;
+mod published;
 mod python;
 mod query;
 mod recordings;

@@ -144,3 +144,16 @@ component c {
     let output = directory.run(&["deps", "c.gen"]);
     assert_eq!(status(&output), 0, "{}", stdout(&output));
 }
+
+/// Templates of GenoM3 parse a file of their own first.
+#[test]
+fn each_input_has_its_own_stand_ins() {
+    let text = "#include \"x/y.idl\"\ncomponent b { version \"1\"; lang \"c\"; email \"a@b.c\"; ids { x::t v; }; };\n";
+    let directory = Directory::new(&[
+        ("first/a.gen", "component a { version \"1\"; lang \"c\"; email \"a@b.c\"; };\n"),
+        ("second/b.gen", text),
+        ("second/.dotgen/standins/x/y.idl", "module x { typedef long t; };\n"),
+    ]);
+    let output = directory.run(&["generate", "-n", "first/a.gen", "second/b.gen"]);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+}

@@ -214,7 +214,8 @@ impl Walker<'_> {
         let name = Utf8Path::new(request.path.as_str());
         let dirs = places(self.db, &self.search, request, from);
         // The stand-in for a file that is not found elsewhere.
-        let root = self.visits.first().map(|walk_visit| walk_visit.file.path(self.db));
+        let root = self.visits.iter().rev().find(|visit| visit.includer.is_none());
+        let root = root.map(|visit| visit.file.path(self.db));
         let standins = root.and_then(|root| root.parent()).map(|parent| parent.join(STANDINS));
         let last = standins.as_deref().filter(|_| !name.is_absolute());
         let mut obstacle = None;

@@ -85,8 +85,10 @@ fn waits_for(layout: &Layout, id: ClientId, step: usize) -> Option<Guard> {
     match layout.system.clients[id].steps[step].action {
         ClientAction::AwaitAccepted => Some(layout.outstanding(id).is(0_usize)),
         ClientAction::AwaitEnded(tracker) => {
+            let fails = layout.asks_outcome(id, tracker);
             let tracker = layout.tracker(id, tracker);
-            Some(any([tracker.clone().is(tracked::NOTHING), tracker.is(tracked::FAILED)]))
+            let failed = fails.then(|| tracker.clone().is(tracked::FAILED));
+            Some(any(std::iter::once(tracker.is(tracked::NOTHING)).chain(failed)))
         }
         ClientAction::AwaitOutcome(tracker, success) => {
             let value = if success { tracked::NOTHING } else { tracked::FAILED };
