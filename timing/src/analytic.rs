@@ -419,41 +419,51 @@ impl<'s> Analysis<'s> {
     }
 
     /// Returns the jobs of another task in a window that begins at most `width` after the release of a job.
-    /// If both tasks are released at their ticks, and their timers start at time 0, the times since the last
-    /// tick of the other one are known. A start-up has no tick, so that it must be over.
+    /// If both tasks are released at their ticks, the times since the last tick of the other one are known, as
+    /// far as the starts of their timers are. A start-up has no tick, so that it must be over.
     fn in_phase(&self, task: TaskId, other: TaskId, jobs: Jobs, width: u64) -> Jobs {
         let (Kind::Punctual(response), Some(period)) = (jobs.kind, self.system.tasks[task].period)
         else {
             return jobs;
         };
         let starting = self.started[other].is_none_or(|over| over > self.first_tick(task));
-        let at_zero = self.starts_at_zero(task) && self.starts_at_zero(other);
-        if self.late[task] || other == task || starting || !at_zero {
+        let starts = self.timer_starts(task).zip(self.timer_starts(other));
+        let Some((own, others_start)) =
+            starts.filter(|_| !self.late[task] && other != task && !starting)
+        else {
             return jobs;
-        }
+        };
         let (period, others) = (u64::from(period), u64::from(jobs.period));
         // Times of ticks differ by the difference of the first ones, and multiples of this.
         let every = greatest_common_divisor(period, others);
         if others / every > MAX_PHASES {
             return jobs;
         }
-        let first = (self.first_tick(task) + others - self.first_tick(other) % others) % every;
+        let first = self.first_tick(task) + others - self.first_tick(other) % others;
+        // The other timer may start as much later, and the own one as well.
+        let first = (first + every - others_start % every) % every;
+        let width = width + own + others_start;
         Jobs { kind: Kind::InPhase { response, first, every, width }, ..jobs }
     }
 
-    /// Returns true if the timer of a task starts at time 0: the first codels of the tasks before it in its
-    /// component take no time, and wait for none.
-    fn starts_at_zero(&self, task: TaskId) -> bool {
+    /// Returns the latest time at which the timer of a task starts: after the first codels of the tasks before
+    /// it in its component.
+    fn timer_starts(&self, task: TaskId) -> Option<u64> {
         let system = self.system;
         let tasks = system.components[system.tasks[task].component].tasks.iter();
-        let mut before = tasks.take_while(|&&other| other != task);
-        before.all(|&other| {
-            system.tasks[other].permanent.is_none_or(|automaton| {
+        let before = tasks.take_while(|&&other| other != task);
+        before.filter_map(|&other| Some((other, system.tasks[other].permanent?))).try_fold(
+            0,
+            |latest: u64, (other, automaton)| {
                 let machine = system.machine_of(automaton);
-                let first = &system.codels[machine.states[machine.start].codel];
-                first.upper == 0 && first.conflicts.is_empty()
-            })
-        })
+                let first = machine.states[machine.start].codel;
+                if system.codels[first].conflicts.is_empty() {
+                    return latest.checked_add(self.upper(first)?);
+                }
+                // The whole start-up, with what its codels wait for.
+                Some(latest.max(self.started[other]?))
+            },
+        )
     }
 
     /// Returns the time before which no job of a task begins.

@@ -296,7 +296,11 @@ impl Group<'_> {
     /// Returns true if a bound answers a check of a response time.
     fn is_settled(&self, check: &Single, analysed: &ResponseBounds) -> bool {
         match check.what {
-            What::Response(_, limit) => analysed.answers_check(check, self.ticks(limit)),
+            What::Response(of, limit) => {
+                // Beyond its period, a bound says little.
+                let period = self.built.system.tasks[self.built.tasks[&of]].period;
+                analysed.answers_check(check, self.ticks(limit).or(period))
+            }
             _ => false,
         }
     }

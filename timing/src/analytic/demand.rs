@@ -90,16 +90,20 @@ impl Jobs {
 
     /// Returns the greatest part of some work of a job that is left when the window begins.
     pub(super) fn carried(&self, work: u64) -> u64 {
-        let Kind::InPhase { response, .. } = self.kind else {
+        let Kind::InPhase { response, first, every, width } = self.kind else {
             return work;
         };
+        if first + width >= every {
+            // A job may have been released just before.
+            return work;
+        }
         let since = self.since_release().next();
         since.map_or(0, |since| work.min(response.saturating_sub(since)))
     }
 
     /// Returns the number of releases that count in a window that begins this long after a release.
     fn released(&self, window: u64, since: u64) -> u64 {
-        let elapsed = |window: u64| (since + window) / u64::from(self.period);
+        let elapsed = |window: u64| since.saturating_add(window) / u64::from(self.period);
         self.released.map_or(0, elapsed).min(elapsed(window))
     }
 
