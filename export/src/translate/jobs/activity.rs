@@ -3,7 +3,7 @@
 use dotgen_timing::explore::Action;
 use dotgen_timing::system::{AutomatonId, FOREVER, Machine, Yield};
 
-use crate::model::{Edge, LocationKind, Process, Relation, Update};
+use crate::model::{Edge, LocationKind, Process, Relation, Update, all};
 
 use super::super::layout::{Layout, Part, executed, number, wanted};
 use super::super::published::{mode, permanent};
@@ -118,14 +118,23 @@ impl Writer<'_> {
         }
         let is_periodic = layout.system.tasks[task].period.is_some();
         let started = format!("started_{}", self.part.name);
-        for at in [permanent::FIRST_CODEL, permanent::FIRST_TURN, permanent::RUNS] {
+        // An aperiodic task has no first turn.
+        let turns = is_periodic.then_some(permanent::FIRST_TURN);
+        let firsts: Vec<usize> = std::iter::once(permanent::FIRST_CODEL).chain(turns).collect();
+        for at in firsts.iter().copied().chain([permanent::RUNS]) {
             let first = at != permanent::RUNS;
+            // Some guard holds for every mode.
+            let is_at = if first {
+                mode.clone().is(at)
+            } else {
+                all(firsts.iter().map(|&first| mode.clone().is_not(first)))
+            };
             let channel = match at {
                 permanent::FIRST_CODEL => &*started,
                 permanent::FIRST_TURN => "step",
                 _ => &over,
             };
-            let edge = edge.clone().when(mode.clone().is(at));
+            let edge = edge.clone().when(is_at);
             let edge = match by {
                 // The first cycle of an aperiodic task follows its start.
                 Yield::Next(_) if at == permanent::FIRST_CODEL && !is_periodic => {
@@ -142,10 +151,7 @@ impl Writer<'_> {
                 }
                 Yield::End => edge.sends(channel).with([mode.clone().set(permanent::ENDED)]),
             };
-            // An aperiodic task has no first turn.
-            if is_periodic || at != permanent::FIRST_TURN {
-                self.out.edge(edge);
-            }
+            self.out.edge(edge);
         }
     }
 }
