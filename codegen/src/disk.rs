@@ -219,7 +219,7 @@ pub(crate) fn normalize(disk: &dyn Disk, path: &Path) -> Option<PathBuf> {
 }
 
 /// Returns true if a file would be below one of the folders once written, with all links on the way resolved.
-pub(crate) fn is_below(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bool {
+pub fn is_below(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bool {
     let Some(path) = resolve(disk, path) else {
         return false;
     };
@@ -227,7 +227,7 @@ pub(crate) fn is_below(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> boo
 }
 
 /// The outermost link on the way to a path that leads out of all of the folders; `None` if no link does.
-pub(crate) fn link_out(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
+pub fn link_out(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> Option<PathBuf> {
     let path = plain(disk, path);
     let mut ancestors: Vec<&Path> = path.ancestors().collect();
     ancestors.reverse();

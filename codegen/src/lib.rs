@@ -13,10 +13,3 @@ pub mod lang;
 mod options;
 pub mod process;
 pub mod template;
-
-/// The name of this crate in shared test code, which other crates' tests include as well.
-#[cfg(test)]
-extern crate self as dotgen_codegen;
-#[cfg(test)]
-#[path = "../tests/support/files.rs"]
-mod files;

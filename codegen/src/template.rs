@@ -21,7 +21,7 @@ mod mutex;
 mod notice;
 pub(crate) mod object;
 pub(crate) mod output;
-pub(crate) mod readable_files;
+pub mod readable_files;
 mod script;
 mod session;
 pub(crate) mod tcl;

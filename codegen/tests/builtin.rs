@@ -7,6 +7,9 @@ use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin};
 use dotgen_codegen::command::{Environment, Ros2Packages, generate};
 use dotgen_codegen::template::Limits;
 use dotgen_codegen::template::console::CapturedConsole;
+use dotgen_platform::files::disk::SystemDisk;
+use dotgen_platform::files::vfs::Vfs;
+use dotgen_platform::process;
 
 const SPECIFICATION: &str = "/*/ A lamp. */
 component lamp {
@@ -41,21 +44,19 @@ fn run_in(
         variables: &|name| {
             (name == "XDG_CACHE_HOME").then(|| dir.join("cache").display().to_string())
         },
-        disk: Arc::new(crate::files::Files),
-        loader: Arc::new(crate::disk::Disk),
+        disk: Arc::new(SystemDisk),
+        loader: Arc::<Vfs>::default(),
         ros2: Arc::new(|_| Ok(Ros2Packages::default())),
         pictures: Arc::new(|_, component, owner, form| {
-            {
-                // What has no machine has no picture.
-                let text = format!("{form} of {component}.{owner}");
-                Ok(if owner == "reset" { String::new() } else { text })
-            }
+            // What has no machine has no picture.
+            let text = format!("{form} of {component}.{owner}");
+            Ok(if owner == "reset" { String::new() } else { text })
         }),
         console: &mut console,
         limits: Limits::default(),
         base: std::path::PathBuf::new(),
         sink: dotgen_codegen::template::OutputSink::DIRECT,
-        processes: Arc::new(crate::processes::ShellProcesses),
+        processes: process::system(),
         confined: None,
         failed_at: None,
         project_templates: project.map(|paths| dir.join(paths).display().to_string()),

@@ -10,13 +10,9 @@ use std::sync::Arc;
 use dotgen_codegen::command::{Environment, Ros2Packages, generate};
 use dotgen_codegen::template::console::StdConsole;
 use dotgen_codegen::template::{Limits, find_tclsh};
-
-#[path = "support/disk.rs"]
-mod disk;
-#[path = "support/files.rs"]
-mod files;
-#[path = "support/processes.rs"]
-mod processes;
+use dotgen_platform::files::disk::SystemDisk;
+use dotgen_platform::files::vfs::{PackageConfig, Vfs};
+use dotgen_platform::process;
 
 /// The releases that were recorded: the manifest of each, and the variable that names its templates.
 const RELEASES: [(&str, &str, &str); 2] = [
@@ -81,21 +77,19 @@ fn generator() -> ExitCode {
         name: "genom3",
         program: std::env::current_exe().unwrap_or_default(),
         variables: &|name| std::env::var(name).ok(),
-        disk: Arc::new(files::Files),
-        loader: Arc::new(disk::Disk),
+        disk: Arc::new(SystemDisk),
+        loader: Arc::new(Vfs::new(PackageConfig { may_run: true, ..PackageConfig::default() })),
         ros2: Arc::new(|_| Ok(Ros2Packages::default())),
         pictures: Arc::new(|_, component, owner, form| {
-            {
-                // What has no machine has no picture.
-                let text = format!("{form} of {component}.{owner}");
-                Ok(if owner == "reset" { String::new() } else { text })
-            }
+            // What has no machine has no picture.
+            let text = format!("{form} of {component}.{owner}");
+            Ok(if owner == "reset" { String::new() } else { text })
         }),
         console: &mut StdConsole::default(),
         limits: Limits::default(),
         base: std::path::PathBuf::new(),
         sink: dotgen_codegen::template::OutputSink::DIRECT,
-        processes: Arc::new(processes::ShellProcesses),
+        processes: process::system(),
         confined: None,
         failed_at: None,
         project_templates: None,

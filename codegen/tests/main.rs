@@ -2,12 +2,7 @@
 
 mod builtin;
 mod codels;
-#[path = "support/disk.rs"]
-mod disk;
-#[path = "support/files.rs"]
-mod files;
-#[path = "support/processes.rs"]
-mod processes;
+mod readable_files;
 mod ros;
 mod search;
 mod template_files;

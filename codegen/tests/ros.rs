@@ -12,6 +12,9 @@ use dotgen_codegen::codels::headers::RUNTIME;
 use dotgen_codegen::command::{Environment, Ros2Packages, generate};
 use dotgen_codegen::template::console::CapturedConsole;
 use dotgen_codegen::template::{Limits, OutputSink, find_tclsh};
+use dotgen_platform::files::disk::SystemDisk;
+use dotgen_platform::files::vfs::Vfs;
+use dotgen_platform::process;
 
 const SPECIFICATION: &str = "component lamp {
   version \"1.0\"; lang \"c\"; email \"a@example.org\"; require \"genom3 >= 2.99.26\";
@@ -106,15 +109,15 @@ fn a_ros_server_compiles_without_genom() {
         name: "genom3",
         program: "/bin/genom3".into(),
         variables: &|name| (name == "XDG_CACHE_HOME").then(|| cache.clone()),
-        disk: Arc::new(crate::files::Files),
-        loader: Arc::new(crate::disk::Disk),
+        disk: Arc::new(SystemDisk),
+        loader: Arc::<Vfs>::default(),
         pictures: Arc::new(|_, _, _, _| Ok(String::new())),
         ros2: Arc::new(|_| Ok(Ros2Packages::default())),
         console: &mut console,
         limits: Limits::default(),
         base: place.path().to_owned(),
         sink: OutputSink::DIRECT,
-        processes: Arc::new(crate::processes::ShellProcesses),
+        processes: process::system(),
         confined: None,
         failed_at: None,
         project_templates: None,

@@ -2,8 +2,7 @@
 
 use dotgen_codegen::catalog::{TemplateKind, templates};
 use dotgen_codegen::template::discover::{FindError, SearchPath};
-
-use crate::files::Files;
+use dotgen_platform::files::disk::SystemDisk;
 
 /// A folder with files of these names and texts.
 fn tree(files: &[(&str, &str)]) -> tempfile::TempDir {
@@ -23,8 +22,8 @@ fn directories_with_a_template_are_found() {
         dirs: SearchPath::parse(&format!("nowhere::{}", tree.path().display())),
         builtin: None,
     };
-    let find = |name: &str| path.find(&Files, name);
-    assert_eq!(path.list(&Files), ["a", "b/c", "d"]);
+    let find = |name: &str| path.find(&SystemDisk, name);
+    assert_eq!(path.list(&SystemDisk), ["a", "b/c", "d"]);
     assert_eq!(find("b/c"), Ok(tree.path().join("b/c")));
     assert_eq!(find("b"), Err(FindError::NotFound("b".into())));
     assert_eq!(find("d"), Err(FindError::UnknownEngine("py".into())));
@@ -38,7 +37,7 @@ fn a_folder_wins_over_a_template_of_dotgen() {
     let tree =
         tree(&[("skeleton/template.tcl", ""), ("mine/template.toml", "about = \"names\"\n")]);
     let search = SearchPath { dirs: vec![tree.path().to_owned()], builtin: None };
-    let all = templates(&Files, &search, false);
+    let all = templates(&SystemDisk, &search, false);
     let of = |name: &str| {
         let found = all.iter().find(|template| template.name == name);
         found.map(|template| (template.kind, template.about.as_str()))

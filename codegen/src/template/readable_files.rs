@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 use super::Failure;
 use super::discover::SearchPath;
 use crate::disk::Disk;
-pub(crate) use crate::disk::{is_below, link_out, plain, resolve};
+pub use crate::disk::{is_below, link_out};
+pub(crate) use crate::disk::{plain, resolve};
 use crate::process::Access;
 
 /// The readable files and folders.
@@ -65,7 +66,7 @@ impl ReadableFiles {
 /// Returns true if a path, with all links resolved, has a part that begins with a dot below all of the
 /// folders around the path. Such files configure tools, shells and editors: `.git/hooks`, `.vscode`,
 /// `.profile`.
-pub(crate) fn is_hidden(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bool {
+pub fn is_hidden(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bool {
     has_part(disk, path, folders, |part| part.starts_with(b"."))
 }
 
@@ -91,7 +92,7 @@ const CONTROL_FOLDERS: [&str; 16] = [
 
 /// Returns true if a path, with all links resolved, is in a control folder below all of the folders around
 /// the path: see [`is_hidden`].
-pub(crate) fn is_control(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bool {
+pub fn is_control(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bool {
     has_part(disk, path, folders, |part| {
         CONTROL_FOLDERS.iter().any(|name| part.eq_ignore_ascii_case(name.as_bytes()))
     })
@@ -116,61 +117,4 @@ fn has_part(
     let real: Vec<PathBuf> = folders.iter().filter_map(|folder| resolve(disk, folder)).collect();
     let by_links = resolve(disk, path).and_then(|path| parts(&path, &real));
     by_links.unwrap_or(true) || parts(&plain(disk, path), &named).unwrap_or(false)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::files::Files;
-
-    #[cfg(unix)]
-    #[test]
-    fn links_lead_where_they_lead() {
-        use std::os::unix::fs::symlink;
-        let dir = tempfile::tempdir().unwrap();
-        let root = dir.path().join("root");
-        std::fs::create_dir(&root).unwrap();
-        std::fs::create_dir(dir.path().join("other")).unwrap();
-        symlink("../other", root.join("out")).unwrap();
-        symlink("../missing", root.join("nowhere")).unwrap();
-        symlink("sub", root.join("inner")).unwrap();
-        std::fs::create_dir(root.join("sub")).unwrap();
-        let below = |path: &str| is_below(&Files, &root.join(path), std::slice::from_ref(&root));
-        for path in ["a", "a/b/c", "x/../a", "inner/a", "sub/new/a"] {
-            assert!(below(path), "{path}");
-        }
-        for path in ["../a", "x/../../a", "out/a", "out/../a/../../b", "nowhere", "nowhere/a", "/a"]
-        {
-            assert!(!below(path), "{path}");
-        }
-        let link = |path: &str| link_out(&Files, &root.join(path), std::slice::from_ref(&root));
-        assert_eq!(link("out/sub/a"), Some(root.join("out")));
-        assert_eq!(link("nowhere"), Some(root.join("nowhere")));
-        assert_eq!(link("inner/a"), None);
-        // A folder that does not exist yet has the place where it will be created.
-        assert!(is_below(&Files, &root.join("out/new/a"), &[root.join("out/new")]));
-        let hidden = |path: &str| is_hidden(&Files, &root.join(path), std::slice::from_ref(&root));
-        std::fs::create_dir(root.join(".git")).unwrap();
-        symlink(".git", root.join("plain")).unwrap();
-        symlink("sub", root.join(".link")).unwrap();
-        for path in [".a", ".git/hooks/x", "sub/.b/c", "plain/hooks/x", "inner/.d", ".link/e"] {
-            assert!(hidden(path), "{path}");
-        }
-        for path in ["a", "inner/a", ".git/../a", "sub/b.c/d"] {
-            assert!(!hidden(path), "{path}");
-        }
-        let control =
-            |path: &str| is_control(&Files, &root.join(path), std::slice::from_ref(&root));
-        for path in [".git/hooks/x", "sub/.GIT/x", ".vscode/a", "plain/hooks/x"] {
-            assert!(control(path), "{path}");
-        }
-        for path in [".clang-format", ".gitignore", "inner/.d", ".link/e", "git/x"] {
-            assert!(!control(path), "{path}");
-        }
-        // The folder itself may be hidden.
-        let folders = [root.clone(), root.join(".git")];
-        assert!(!is_hidden(&Files, &root.join(".git/a"), &folders));
-        // A folder whose name has the same prefix is another folder.
-        assert!(!is_below(&Files, &dir.path().join("root2/a"), &[root]));
-    }
 }

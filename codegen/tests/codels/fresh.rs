@@ -2,8 +2,7 @@
 
 use camino::Utf8PathBuf;
 use dotgen_codegen::codels::build::{Contents, Step};
-
-use crate::files::Files;
+use dotgen_platform::files::disk::SystemDisk;
 
 #[test]
 fn a_step_is_as_fresh_as_the_texts_that_it_read_whatever_their_times() {
@@ -22,14 +21,14 @@ fn a_step_is_as_fresh_as_the_texts_that_it_read_whatever_their_times() {
         command: vec!["cc".to_owned(), "-c".to_owned()],
         inputs: vec![source.clone()],
     };
-    let is_fresh = |step: &Step| step.is_fresh(&mut Contents::new(&Files));
+    let is_fresh = |step: &Step| step.is_fresh(&mut Contents::new(&SystemDisk));
     write(&source, "int a;");
     write(&header, "int b;");
     write(&output, "code");
     let list = Utf8PathBuf::from(format!("{output}.d"));
     write(&list, &format!("{output}: {source} {header}\n"));
     assert!(!is_fresh(&step), "nothing is recorded");
-    let recorded = step.recorded(&mut Contents::new(&Files)).expect("all inputs are there");
+    let recorded = step.recorded(&mut Contents::new(&SystemDisk)).expect("all inputs are there");
     write(&step.record(), &recorded);
     assert!(is_fresh(&step));
     for (path, text) in [(&source, "int a;"), (&header, "int b;")] {
