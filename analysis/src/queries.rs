@@ -113,7 +113,7 @@ pub(crate) fn body_findings<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Bod
 pub(crate) fn lint_unused<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<Finding>> {
     let visits = &visits(db, unit).visits;
     let is_root = |visit: u32| {
-        let visit = visit.checked_sub(WRAPPER + 1).and_then(|index| visits.get(index as usize));
+        let visit = visit.checked_sub(WRAPPER + 1).and_then(|place| visits.get(place as usize));
         visit.is_some_and(|visit| visit.includer.is_none())
     };
     Arc::new(lint::unused(elaborated(db, unit), is_root))

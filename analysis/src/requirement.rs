@@ -27,7 +27,7 @@ impl Requirement {
     /// Reads a text. All specifications are read, so only possible places of comments are lexed.
     pub(crate) fn of(text: &str) -> Requirement {
         let mut found = Requirement::default();
-        let named = text.match_indices(PACKAGE).map(|pair| pair.0);
+        let named = text.match_indices(PACKAGE).map(|(at, _)| at);
         let bounds = named.filter_map(|at| {
             let before = text[..at].trim_end_matches([' ', '\t']);
             let start = before.strip_suffix('"')?.len();
@@ -63,8 +63,8 @@ fn is_string(text: &str, at: usize) -> bool {
         return true;
     }
     let raw = dotgen_syntax::lexer::lex(text);
-    let mut strings = (0..raw.len()).filter(|index| raw.kind(*index) == SyntaxKind::STRING);
-    strings.any(|index| raw.start(index) == at)
+    let mut strings = (0..raw.len()).filter(|token| raw.kind(*token) == SyntaxKind::STRING);
+    strings.any(|token| raw.start(token) == at)
 }
 
 /// The greatest lower bound for the package `genom3` in some files and their includes in the same

@@ -80,7 +80,7 @@ impl ExpansionMap {
         let offset = token.text_range().start();
         let mut path: Vec<u32> = std::iter::once(token.index())
             .chain(token.parent_ancestors().map(|ancestor| ancestor.index()))
-            .map(|index| index as u32)
+            .map(|place| place as u32)
             .collect();
         // The root is not in any list of siblings.
         path.pop();

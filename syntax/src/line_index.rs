@@ -171,7 +171,7 @@ fn utf8_len(first: u8) -> usize {
 
 /// The offset at which the line of an offset begins.
 pub fn line_start(text: &str, at: usize) -> usize {
-    text[..at].rfind('\n').map_or(0, |index| index + 1)
+    text[..at].rfind('\n').map_or(0, |end| end + 1)
 }
 
 #[cfg(test)]

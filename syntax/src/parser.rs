@@ -82,7 +82,7 @@ pub(crate) fn read(
     ParserOutput {
         events,
         errors: locate(&input, errors),
-        inside_out: inside_out.map(|index| input.range(index).start()),
+        inside_out: inside_out.map(|token| input.range(token).start()),
         unlisted,
     }
 }

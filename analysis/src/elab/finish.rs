@@ -216,7 +216,7 @@ fn order_types(result: &mut Elaborated, order: &[u32]) {
         return;
     }
     let mut by_order: Vec<u32> = (0..order.len() as u32).collect();
-    by_order.sort_by_key(|index| order[*index as usize]);
+    by_order.sort_by_key(|ty| order[*ty as usize]);
     let mut new_ids = vec![TypeId(0); order.len()];
     for (new, old) in (0..).zip(&by_order) {
         new_ids[*old as usize] = TypeId(new);

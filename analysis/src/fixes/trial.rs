@@ -67,8 +67,8 @@ pub(crate) fn repairs(text: &str, at: TextRange) -> Vec<TextFix> {
         }
     }
     kept.sort_by_key(|(left, _)| *left);
-    let best = kept.first().map(|pair| pair.0);
-    kept.retain(|pair| Some(pair.0) == best);
+    let best = kept.first().map(|(left, _)| *left);
+    kept.retain(|(left, _)| Some(*left) == best);
     kept.truncate(MOST_KEPT);
     let fix = |(_, trial): (usize, CandidateFix)| TextFix {
         kind: FixKind::Guess,
@@ -258,7 +258,7 @@ fn insertions(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
 /// the name.
 fn exchanges(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
     for first in window.around() {
-        let Some(second) = Some(first + 1).filter(|index| *index < window.tokens.len()) else {
+        let Some(second) = Some(first + 1).filter(|second| *second < window.tokens.len()) else {
             break;
         };
         let (a, b) = (window.range(first), window.range(second));
@@ -292,7 +292,7 @@ fn exchanges(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
         }
         // `octet[4] code`
         let close =
-            (first..window.tokens.len().min(first + 8)).find(|index| window.token(*index) == "]");
+            (first..window.tokens.len().min(first + 8)).find(|token| window.token(*token) == "]");
         if one == "["
             && let Some(close) = close
             && close + 1 < window.tokens.len()
@@ -329,7 +329,7 @@ fn c_constructs(window: &Window<'_>, out: &mut Vec<CandidateFix>) {
     }
     let word = (0..window.at.min(window.tokens.len()))
         .rev()
-        .find(|index| window.token(*index) == "typedef");
+        .find(|token| window.token(*token) == "typedef");
     if let Some(word) = word {
         let range = with_blank(window.text, window.range(word));
         out.push(CandidateFix {

@@ -164,7 +164,7 @@ impl Cx<'_, '_> {
     fn whole_lines(&self, range: Range<usize>) -> Range<usize> {
         let text = self.view.text();
         let start = line_start(text, range.start);
-        let end = text[range.end..].find('\n').map_or(text.len(), |index| range.end + index + 1);
+        let end = text[range.end..].find('\n').map_or(text.len(), |rest| range.end + rest + 1);
         let alone =
             text[start..range.start].trim().is_empty() && text[range.end..end].trim().is_empty();
         if alone { start..end } else { range }

@@ -384,7 +384,7 @@ impl Reader<'_> {
         if !STATEMENTS.contains(&word.text.as_str()) || self.frames.len() < 2 && i == 0 {
             return;
         }
-        let before = i.checked_sub(1).map(|index| &self.tokens[index]);
+        let before = i.checked_sub(1).map(|before| &self.tokens[before]);
         let line = self.text.get(..word.range.start).unwrap_or_default();
         let begins_line = line.rsplit('\n').next().is_some_and(|part| part.trim().is_empty());
         let continues = before.is_some_and(|token| {
@@ -440,7 +440,7 @@ impl Reader<'_> {
     fn close_brace(&mut self, i: usize) {
         let brace =
             |frame: &Frame| matches!(frame.kind, FrameKind::Body(_) | FrameKind::Initializers);
-        let Some(at) = self.frames.iter().rposition(brace).filter(|index| *index > 0) else {
+        let Some(at) = self.frames.iter().rposition(brace).filter(|depth| *depth > 0) else {
             // A superfluous bracket: a new statement follows.
             self.end_statement(i + 1);
             return;
@@ -472,7 +472,7 @@ impl Reader<'_> {
         let top = self.top();
         let (kind, start) = (top.kind, top.start);
         let statement = &self.tokens[start.min(i)..i];
-        let before = statement.len().checked_sub(2).map(|index| &statement[index]);
+        let before = statement.len().checked_sub(2).map(|before| &statement[before]);
         if let Some(before) = before {
             if before.is("struct") {
                 return FrameKind::Body(BodyKind::Members);

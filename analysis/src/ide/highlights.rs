@@ -43,7 +43,7 @@ pub(crate) fn highlights(view: &FileView<'_>, at: usize) -> Vec<Highlight> {
     }
     // For a name that is both declared and used, the use is more informative.
     found.sort_by_key(|&(range, access)| (range.start(), range.end(), Reverse(access)));
-    found.dedup_by_key(|pair| pair.0);
+    found.dedup_by_key(|(range, _)| *range);
     found.into_iter().map(|(range, access)| Highlight { range: bytes(range), access }).collect()
 }
 

@@ -234,17 +234,17 @@ fn mentions(
     let used = elaborated.references.iter().map(|reference| (reference.at, reference.target));
     let named: Vec<(FileSpan, DefId)> = declared
         .chain(used)
-        .filter(|pair| is_named(pair.1))
+        .filter(|(_, id)| is_named(*id))
         .filter_map(|(src, id)| {
             let (file, range) = place(db, unit, src)?;
             Some(((file, bytes(range)), id))
         })
         .collect();
     let found: FxHashSet<&FileSpan> =
-        named.iter().filter(|pair| ids.contains(&pair.1)).map(|pair| &pair.0).collect();
+        named.iter().filter(|(_, id)| ids.contains(id)).map(|(place, _)| place).collect();
     let mut identities: FxHashMap<DefId, Option<Identity>> = FxHashMap::default();
     let mut out = Vec::new();
-    for (place, id) in named.iter().filter(|pair| found.contains(&pair.0)) {
+    for (place, id) in named.iter().filter(|(place, _)| found.contains(place)) {
         let identity =
             identities.entry(*id).or_insert_with(|| identity_in(db, unit, &elaborated, *id));
         out.extend(identity.clone().map(|identity| (place.clone(), identity)));

@@ -190,7 +190,7 @@ impl Builder {
     fn finish(mut self, end: &str, active: Option<usize>) -> SignatureHelp {
         self.label += end;
         SignatureHelp {
-            active: active.filter(|index| *index < self.parameters.len()),
+            active: active.filter(|parameter| *parameter < self.parameters.len()),
             label: self.label,
             parameters: self.parameters,
             documentation: None,

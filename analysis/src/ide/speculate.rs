@@ -134,7 +134,7 @@ fn new_errors(
     }
     let mut out = Vec::new();
     for report in unit_report(other, there).iter() {
-        match known.get_mut(report.code).filter(|index| **index > 0) {
+        match known.get_mut(report.code).filter(|left| **left > 0) {
             Some(left) => *left -= 1,
             None if report.severity == Severity::Error => out.push(report.clone()),
             None => {}

@@ -172,8 +172,8 @@ fn dead_ends(lint: &mut Lint, machine: &Machine) {
 /// For each service, the first one that interrupts it.
 fn interrupters(component: &Component) -> TiVec<ServiceId, Option<ServiceId>> {
     let services = &component.services;
-    let of_all = services.iter_enumerated().find(|pair| pair.1.interrupts.all);
-    let mut first = ti_vec![of_all.map(|pair| pair.0); services.len()];
+    let of_all = services.iter_enumerated().find(|(_, service)| service.interrupts.all);
+    let mut first = ti_vec![of_all.map(|(by, _)| by); services.len()];
     for (by, service) in services.iter_enumerated() {
         for &service in &service.interrupts.services {
             if let Some(first) = first.get_mut(service) {

@@ -117,8 +117,8 @@ impl Spec {
         });
         let declaration = &self.components[component];
         let imported = [&declaration.provides, &declaration.extends].into_iter().flatten();
-        let stand_ins = imported.filter(|index| self.stand_ins.contains(index));
-        let stand_ins = stand_ins.map(|&index| &self.components[index].name);
+        let stand_ins = imported.filter(|interface| self.stand_ins.contains(interface));
+        let stand_ins = stand_ins.map(|&interface| &self.components[interface].name);
         let mut out: Vec<&Name> = Vec::new();
         for name in missing.chain(stand_ins) {
             if !out.contains(&name) {

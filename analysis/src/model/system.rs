@@ -154,7 +154,7 @@ impl<'a> System<'a> {
         if shared.is_empty() {
             return out;
         }
-        for (other, entry) in self.parts.iter().enumerate().filter(|pair| pair.0 != part) {
+        for (other, entry) in self.parts.iter().enumerate().filter(|(other, _)| *other != part) {
             let ports = entry.component.ports.keys();
             let meets: TiVec<PortId, Vec<PortRef>> = ports
                 .map(|port| {

@@ -137,7 +137,7 @@ pub(super) fn macro_call_at(
     let used = uses
         .binary_search_by_key(&range.start(), |usage| usage.range.start())
         .ok()
-        .and_then(|index| uses.get(index))?;
+        .and_then(|place| uses.get(place))?;
     let site = used.site.clone()?;
     // Not a mention in a condition, or of a function-like macro without arguments.
     let raw = &lexed(db, key.file(db)).raw;

@@ -113,7 +113,7 @@ fn every_prefix_of_a_specification() {
 fn every_offset_of_a_specification() {
     let fixture = Fixture::new(FILES);
     for (path, text) in split(FILES) {
-        let offsets = (0..=text.len()).filter(|index| text.is_char_boundary(*index));
+        let offsets = (0..=text.len()).filter(|offset| text.is_char_boundary(*offset));
         for offset in offsets {
             ask(&fixture, &path, &text, offset);
         }

@@ -139,7 +139,7 @@ fn apply(fixture: &mut Fixture, original: &[(Utf8PathBuf, String)], edit: &Edit)
         (Edit::Delete(_, at, length), Some(mut text)) => {
             let start = boundary(&text, *at);
             let end = text.len().min(start + usize::from(*length));
-            let end = (end..=text.len()).find(|index| text.is_char_boundary(*index)).unwrap();
+            let end = (end..=text.len()).find(|end| text.is_char_boundary(*end)).unwrap();
             text.replace_range(start..end, "");
             Some(text)
         }
@@ -234,7 +234,7 @@ fn ask_about_file(fixture: &Fixture, path: &Utf8Path) {
 fn no_panic_at_any_offset_of_half_typed_files() {
     for (path, text) in split(FILES) {
         let mut fixture = Fixture::with_config(FILES, config());
-        let ends = (0..=text.len()).filter(|index| text.is_char_boundary(*index)).step_by(7);
+        let ends = (0..=text.len()).filter(|end| text.is_char_boundary(*end)).step_by(7);
         for end in ends.chain([text.len()]) {
             fixture.edit(path.as_str(), &text[..end]);
             ask_about_file(&fixture, &path);

@@ -161,11 +161,11 @@ fn mask(text: &str) -> String {
     let mut rest = text;
     while let Some(first) = rest.chars().next() {
         let length = if rest.starts_with("/*") {
-            rest.find("*/").map_or(rest.len(), |index| index + 2)
+            rest.find("*/").map_or(rest.len(), |end| end + 2)
         } else if rest.starts_with("//") || first == '#' {
             rest.find('\n').unwrap_or(rest.len())
         } else if first == '"' {
-            rest[1..].find('"').map_or(rest.len(), |index| index + 2)
+            rest[1..].find('"').map_or(rest.len(), |end| end + 2)
         } else {
             first.len_utf8()
         };
@@ -215,7 +215,7 @@ fn the_first_fix_restores_what_was_meant() {
         // The first and one further on, usually in another component.
         let mut chosen = vec![0, all.len() / 2];
         chosen.dedup();
-        for (component, broken, at) in chosen.iter().filter_map(|index| all.get(*index)) {
+        for (component, broken, at) in chosen.iter().filter_map(|place| all.get(*place)) {
             let errors = component.errors(broken);
             let line = |at: usize| broken[..at.min(broken.len())].matches('\n').count();
             let on_line = errors.iter().any(|error| {

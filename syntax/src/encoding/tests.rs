@@ -41,7 +41,7 @@ proptest! {
         bytes in bytes(), new in any::<String>(), from in any::<prop::sample::Index>(), to in any::<prop::sample::Index>()
     ) {
         let text = decode(bytes.clone());
-        let places: Vec<usize> = text.char_indices().map(|pair| pair.0).chain([text.len()]).collect();
+        let places: Vec<usize> = text.char_indices().map(|(at, _)| at).chain([text.len()]).collect();
         let (from, to) = (from.index(places.len()), to.index(places.len()));
         let (from, to) = (places[from.min(to)], places[from.max(to)]);
         let edited = format!("{}{}{}", &text[..from], escape(&new), &text[to..]);

@@ -138,7 +138,7 @@ impl<'a> Printer<'a> {
 
     fn space(&mut self, i: usize, runs: &columns::AlignedColumns) -> String {
         let chunk = &self.page.chunks[i];
-        let before = i.checked_sub(1).map(|index| &self.page.chunks[index]);
+        let before = i.checked_sub(1).map(|before| &self.page.chunks[before]);
         // Depths only grow from one open list to the next.
         while self.open.pop_if(|open| open.depth > chunk.list_depth).is_some() {}
         match rules::gap(self.page.text, before, chunk) {
@@ -224,7 +224,7 @@ impl<'a> Printer<'a> {
         };
         let column = |way: Continuation| match way {
             Continuation::Units(count) => anchor.1 + count * self.page.unit.columns(),
-            Continuation::Under => first.map_or(anchor.1, |pair| pair.1),
+            Continuation::Under => first.map_or(anchor.1, |(_, printed)| printed),
         };
         // No text is moved beyond the width that was within it.
         let rest = self.rest_of_line(i);
@@ -264,7 +264,7 @@ impl<'a> Printer<'a> {
         let end = self.page.chunks[i + 1..]
             .iter()
             .position(|chunk| chunk.newlines > 0 || chunk.kind == ChunkKind::TrailingComment)
-            .map_or(self.page.chunks.len(), |index| i + 1 + index);
+            .map_or(self.page.chunks.len(), |further| i + 1 + further);
         let text =
             &self.page.text[self.page.chunks[i].span().start..self.page.chunks[end - 1].span().end];
         text.lines().next().map_or(0, |line| line.chars().count())

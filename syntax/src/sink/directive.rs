@@ -104,7 +104,7 @@ impl Sink<'_> {
                 (name.end..define.body.start).rev().find(|&i| self.raw.kind(i as usize) == R_PAREN);
             parts.push(DirectiveNode {
                 first: name.end,
-                end: last.map_or(name.end, |index| index + 1),
+                end: last.map_or(name.end, |close| close + 1),
                 kind: MACRO_PARAMS,
             });
         }

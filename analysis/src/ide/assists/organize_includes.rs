@@ -63,7 +63,7 @@ fn runs(cx: &Cx<'_, '_>) -> Vec<Vec<Include>> {
             IncludeForm::Macro(_) => continue,
         };
         let range = bytes(directive.range);
-        let line_end = text[range.end..].find('\n').map_or(text.len(), |index| range.end + index);
+        let line_end = text[range.end..].find('\n').map_or(text.len(), |rest| range.end + rest);
         let rest = text[range.end..line_end].trim_end_matches('\r').trim_end();
         // A comment that continues on the next line cannot be moved.
         if rest.contains("/*") && !rest.contains("*/") {

@@ -27,7 +27,7 @@ pub(super) fn clause(
 ) {
     let timed = own_words(context).any(|word| word.is("wcet"));
     let yields = rest.iter().position(|word| word.is_any(&["yield", "yields"]));
-    if let Some(yields) = yields.filter(|index| *index > 0) {
+    if let Some(yields) = yields.filter(|place| *place > 0) {
         let after = &rest[yields + 1..];
         if let Some(wcet) = after.iter().position(|word| word.is("wcet")) {
             quantity(names, &after[wcet + 1..], &["s", "ms", "us"], out);

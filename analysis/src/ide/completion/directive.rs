@@ -42,7 +42,7 @@ pub(super) fn complete(view: &FileView<'_>, index: u32, at: usize, out: &mut Com
     let Some(keyword) =
         directive.keyword.as_ref().filter(|keyword| usize::from(keyword.range.end()) < at)
     else {
-        let hash = line.find('#').map_or(0, |index| index + 1);
+        let hash = line.find('#').map_or(0, |hash| hash + 1);
         out.replace = start + hash..out.replace.end.max(at);
         // Blanks between `#` and the word stay.
         let blanks = line[hash..].len() - line[hash..].trim_start().len();
@@ -181,7 +181,7 @@ pub(super) fn packages(view: &FileView<'_>, out: &mut Completions) {
 pub(super) fn macros(view: &FileView<'_>, at: usize, rank: u8, out: &mut Completions) {
     let mut all = defined(view, at);
     let guards = guards(view);
-    all.retain(|pair| !guards.contains(&pair.0));
+    all.retain(|(name, _)| !guards.contains(name));
     add(all, rank, out);
 }
 

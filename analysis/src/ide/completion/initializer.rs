@@ -49,7 +49,7 @@ pub(super) fn complete(names: &Names<'_, '_>, context: &Context, out: &mut Compl
         _ => {
             let eq = words.iter().position(|word| word.is("="));
             let expected = ty.and_then(|ty| element_type(names, ty, words, context.top().commas));
-            value(names, &words[eq.map_or(0, |index| index + 1)..], expected, out);
+            value(names, &words[eq.map_or(0, |eq| eq + 1)..], expected, out);
         }
     }
 }

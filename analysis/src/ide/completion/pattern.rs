@@ -59,7 +59,7 @@ fn most_common_pattern(
     }
     // Ties are resolved in a fixed order.
     let best = counts.into_iter().max_by(|a, b| (a.1, &b.0).cmp(&(b.1, &a.0)));
-    best.map(|pair| pair.0)
+    best.map(|(pattern, _)| pattern)
 }
 
 /// The pattern of one name; `None` if it does not distinguish codels.

@@ -23,7 +23,7 @@ impl Shared {
         let Some(component) = names.component() else {
             return out;
         };
-        let own = context.frames.len().checked_sub(2).map(|index| &context.frames[index]);
+        let own = context.frames.len().checked_sub(2).map(|depth| &context.frames[depth]);
         let head =
             own.map_or(&[][..], |frame| &context.tokens[frame.start.min(context.tokens.len())..]);
         let is_async = head.first().is_some_and(|head| head.is("async"));

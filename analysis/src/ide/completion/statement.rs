@@ -232,7 +232,7 @@ fn type_at(names: &Names<'_, '_>, words: &[Word], wanted: NameCategory, out: &mu
         names.types(words, wanted, 0, out);
         return;
     };
-    let before_last = words.len().checked_sub(2).map(|index| &words[index]);
+    let before_last = words.len().checked_sub(2).map(|place| &words[place]);
     match last.text.as_str() {
         "::" => names.types(words, wanted, 0, out),
         "<" if before_last.is_some_and(|word| word.is_any(&["sequence", "optional"])) => {

@@ -115,7 +115,7 @@ fn service(component: &Component, name: &str) -> Vec<Fact> {
         .iter_enumerated()
         .find_map(|(index, service)| (service.name.as_str() == name).then_some(index));
     let names_it =
-        |list: &ServiceList| list.all || index.is_some_and(|index| list.services.contains(&index));
+        |list: &ServiceList| list.all || index.is_some_and(|it| list.services.contains(&it));
     let by = component.services.iter();
     let by = by.filter(|service| names_it(&service.interrupts));
     let by: Vec<String> = by.map(|service| format!("`{}`", service.name)).collect();

@@ -197,7 +197,7 @@ fn there_and_back_is_the_identity() {
     let mut fixture = Fixture::new(text);
     let names: Vec<usize> = text
         .match_indices(|character: char| character.is_ascii_alphabetic())
-        .map(|pair| pair.0)
+        .map(|(at, _)| at)
         .collect();
     let mut renamed = 0;
     for at in names {
