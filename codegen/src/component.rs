@@ -177,12 +177,12 @@ impl NewComponent {
             });
             let given = given.transpose()?;
             // An estimate with which all tasks fit on one core.
-            let share =
-                given.as_ref().map_or(1e3, |pair| pair.0) / (10.0 * self.tasks.len() as f64);
+            let share = given.as_ref().map_or(1e3, |(micros, _)| *micros)
+                / (10.0 * self.tasks.len() as f64);
             let interfaces = self.provides.iter().chain(&self.uses);
             tasks.push(TaskData {
                 name: &task.name,
-                period: given.map(|pair| pair.1),
+                period: given.map(|(_, period)| period),
                 wcet: format!("{} us", share.floor().max(1.0)),
                 ports: match index {
                     0 => interfaces.flat_map(|interface| &interface.ports).collect(),

@@ -215,8 +215,8 @@ impl Exclusions<'_> {
                 .collect();
             let far = |column: usize| users.iter().map(|user| user.abs_diff(column)).sum::<usize>();
             let between = (1..last).step_by(2);
-            let best =
-                between.min_by_key(|index| (far(*index), taken.get(index).copied().unwrap_or(0)));
+            let best = between
+                .min_by_key(|column| (far(*column), taken.get(column).copied().unwrap_or(0)));
             let best = best.unwrap_or(1);
             *taken.entry(best).or_default() += 1;
             out.push(best);

@@ -62,7 +62,7 @@ impl Expand for Local {
         jinja.set_fuel(Some(FUEL));
         jinja.set_auto_escape_callback(|_| minijinja::AutoEscape::None);
         let explain = |error: Error| {
-            let line = error.line().map(|index| format!(":{index}")).unwrap_or_default();
+            let line = error.line().map(|line| format!(":{line}")).unwrap_or_default();
             format!("{name}{line}: {error:#}")
         };
         let template = jinja.template_from_named_str(name, text).map_err(explain)?;

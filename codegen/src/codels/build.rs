@@ -365,7 +365,7 @@ fn one(line: &str) -> Option<CompilerMessage> {
     let found =
         kinds.into_iter().filter_map(|(word, weight)| Some((line.find(word)?, word, weight)));
     // The first one counts: the text of a message may contain such words.
-    let (at, word, weight) = found.min_by_key(|triple| triple.0)?;
+    let (at, word, weight) = found.min_by_key(|(at, ..)| *at)?;
     let (place, what) = (&line[..at], &line[at + word.len()..]);
     let (before, last) = place.rsplit_once(':')?;
     let last: usize = last.parse().ok()?;

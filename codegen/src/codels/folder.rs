@@ -195,7 +195,7 @@ pub fn unused_allowances(
     let known = drift::CODES.map(|known| known.0);
     // A folder that is not completely read may contain the finding that a comment allows.
     let seen = |folder: &Folder| folder.sources.exists && !folder.sources.incomplete;
-    let compared = || compared.iter().filter(|pair| seen(pair.0));
+    let compared = || compared.iter().filter(|(folder, _)| seen(folder));
     for (folder, findings) in compared() {
         let found = diagnostics(findings, &*folder.unit.locations, Side::Both);
         let specification = &folder.specification;
@@ -214,7 +214,7 @@ pub fn unused_allowances(
                     && names(expected.get_or_init(|| folder.expected()), &allowance.function.name);
                 if !speaks
                     || analysis.is_off(allowance.code)?
-                    || compared().flat_map(|pair| pair.1).any(|drift| has(&drift))
+                    || compared().flat_map(|(_, findings)| *findings).any(|drift| has(&drift))
                 {
                     continue;
                 }

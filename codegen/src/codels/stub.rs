@@ -117,8 +117,8 @@ impl<'a> Stubs<'a> {
     ) -> Result<String, LangError> {
         let component = self.expected.component();
         let mut out = self.preamble();
-        let services =
-            || component.services.iter_enumerated().filter(|pair| self.expected.is_own(pair.1.src));
+        let all = component.services.iter_enumerated();
+        let services = || all.clone().filter(|(_, service)| self.expected.is_own(service.src));
         let refs = |owner: Owner, kinds: &[CodelKind]| -> Vec<CodelRef> {
             let codels = (0u32..).zip(component.codels_of(owner));
             codels

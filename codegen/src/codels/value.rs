@@ -279,7 +279,7 @@ impl<'s> Values<'s> {
             (TypeKind::Enum { enumerators }, Value::String(name)) => {
                 let name = name.rsplit("::").next().unwrap_or(name);
                 let at = enumerators.iter().position(|&enumerator| self.name(enumerator) == name);
-                at.map_or(0, |index| i64::try_from(index).unwrap_or(0))
+                at.map_or(0, |place| i64::try_from(place).unwrap_or(0))
             }
             (_, Value::Bool(flag)) => i64::from(*flag),
             (_, kind) => kind.as_i64().unwrap_or(0),

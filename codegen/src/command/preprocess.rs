@@ -143,7 +143,7 @@ fn show(
 ) -> String {
     let mut out = format!("# 1 \"{path}\"\n");
     let lines = |first: u32, end: u32| -> usize {
-        (first..end).map(|index| raw.text(text, index as usize).matches('\n').count()).sum()
+        (first..end).map(|token| raw.text(text, token as usize).matches('\n').count()).sum()
     };
     let mut line = 1;
     for element in &result.elements {

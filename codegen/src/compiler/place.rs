@@ -241,7 +241,7 @@ fn keyword_before(text: &str, start: usize, word: &str) -> Option<usize> {
 fn is_in_directive(text: &str, at: usize) -> bool {
     let mut start = at;
     loop {
-        start = text[..start].rfind('\n').map_or(0, |index| index + 1);
+        start = text[..start].rfind('\n').map_or(0, |end| end + 1);
         let before = text[..start].trim_end_matches(['\n', '\r']);
         if start == 0 || !before.ends_with('\\') {
             break;

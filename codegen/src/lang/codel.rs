@@ -46,7 +46,7 @@ impl Mapper<'_> {
         let start = symbol.chars().count() + 1;
         let mut out = format!("{}{separator}{symbol}(", self.event_type()?);
         // Aligned with the first argument, for any start of the name's line.
-        let line = out.rfind('\n').map_or(0, |index| index + 1);
+        let line = out.rfind('\n').map_or(0, |end| end + 1);
         let indent = out[line..].chars().count();
         let mut column = start;
         for (index, argument) in arguments.iter().enumerate() {

@@ -86,7 +86,7 @@ impl Program {
     /// at the end of the source text before it.
     fn source(&self, range: &Range<usize>) -> Range<usize> {
         let after = self.pieces.partition_point(|piece| piece.program <= range.start);
-        let Some(piece) = after.checked_sub(1).map(|index| &self.pieces[index]) else {
+        let Some(piece) = after.checked_sub(1).map(|before| &self.pieces[before]) else {
             return 0..0;
         };
         let Piece { source, .. } = piece;
@@ -111,7 +111,7 @@ impl Places<'_> {
     fn bytes(&self, chars: &Range<usize>) -> Range<usize> {
         let byte = |at: usize| {
             let found = self.text.char_indices().nth(at);
-            found.map_or(self.text.len(), |pair| pair.0)
+            found.map_or(self.text.len(), |(byte, _)| byte)
         };
         byte(chars.start)..byte(chars.end)
     }

@@ -28,7 +28,7 @@ pub(crate) fn codel_mutex(
     let mut found = SeenCodels::new(component);
     let conflict =
         |other: &Codel| conflicts(spec, &codel.params, &other.params, MutexOperand::Codel);
-    for other in component.tasks.keys().filter(|index| Some(*index) != task) {
+    for other in component.tasks.keys().filter(|other| Some(*other) != task) {
         found.add_state_machine(Owner::Task(other), conflict);
     }
     for (index, other) in component.services.iter_enumerated() {

@@ -70,7 +70,7 @@ fn ways(specification: &str, source: &str, last: &str) -> Vec<Vec<(String, Strin
 
 fn titles(specification: &str, source: &str, last: &str) -> Vec<Vec<String>> {
     let all = ways(specification, source, last);
-    let titles = |pairs: Vec<(String, String)>| pairs.into_iter().map(|pair| pair.0).collect();
+    let titles = |pairs: Vec<(String, String)>| pairs.into_iter().map(|(title, _)| title).collect();
     all.into_iter().map(titles).collect()
 }
 
@@ -161,14 +161,14 @@ fn names_stay_as_short_as_they_are() {
 fn a_cycle_without_pause_is_offered_with_one_first() {
     let code = machine("c_main").replace("return c_stop", "return c_main");
     let all = ways(MACHINE, &code, SOURCE);
-    let titles: Vec<&str> = all[0].iter().map(|pair| pair.0.as_str()).collect();
+    let titles: Vec<&str> = all[0].iter().map(|(title, _)| title.as_str()).collect();
     // It pauses before `main` already, so that a pause is no new yield.
     assert_eq!(titles[0], "Return `c_pause_main` from `g`", "{titles:?}");
     assert!(titles.contains(&"Add `yield main` to codel `g`"));
     let specification = MACHINE.replace("yield pause::main, stop", "yield stop");
     let code = machine("c_main").replace("c_pause_main", "c_main");
     let all = ways(&specification, &code, SOURCE);
-    let titles: Vec<&str> = all[0].iter().map(|pair| pair.0.as_str()).collect();
+    let titles: Vec<&str> = all[0].iter().map(|(title, _)| title.as_str()).collect();
     assert_eq!(
         titles[..2],
         [
@@ -242,7 +242,7 @@ fn lists_are_extended_as_they_are_laid_out() {
     let check = |list: &str, wanted: &str| {
         let specification = MACHINE.replace("yield main, ether;", list);
         let all = ways(&specification, &machine("c_stop"), SOURCE);
-        let declared = all[0].iter().find(|pair| pair.0.starts_with("Add"));
+        let declared = all[0].iter().find(|(title, _)| title.starts_with("Add"));
         let declared = &declared.expect("it can be declared").1;
         assert_eq!(*declared, MACHINE.replace("yield main, ether;", wanted));
     };

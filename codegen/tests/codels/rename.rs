@@ -130,7 +130,7 @@ fn renamed(at: &str, to: &str) -> (Vec<String>, Vec<String>) {
     let after = after.expect("the sources follow");
     let text = after.files.texts[Utf8Path::new("/codels/c_t_codels.c")].clone();
     let changed = CODELS.lines().zip(text.lines()).filter(|(a, b)| a != b);
-    let changed = changed.map(|pair| pair.1.trim().to_owned()).collect();
+    let changed = changed.map(|(_, line)| line.trim().to_owned()).collect();
     let left = after.renaming.left.iter().map(ToString::to_string);
     let found = Before { files: Arc::new(after.files), ..before };
     let _ = found.diagnostics();
@@ -288,7 +288,7 @@ fn scopes_tell_names_apart_in_cxx() {
         let after = after.expect("the sources follow");
         let text = after.files.texts[Utf8Path::new("/codels/c_t_codels.cc")].clone();
         let changed = code.lines().zip(text.lines()).filter(|(a, b)| a != b);
-        changed.map(|pair| pair.1.trim().to_owned()).collect()
+        changed.map(|(_, line)| line.trim().to_owned()).collect()
     };
     assert_eq!(
         lines("wait;", "hold"),

@@ -90,7 +90,7 @@ impl Edit<'_> {
     fn parameters(&self, random: &mut fastrand::Rng) -> Option<std::ops::Range<usize>> {
         let codel = self.codel(random)?;
         let rest = &self.text()[codel.end..];
-        let open = rest.find('(').filter(|index| rest[..*index].trim().is_empty())?;
+        let open = rest.find('(').filter(|open| rest[..*open].trim().is_empty())?;
         let close = rest.find(')')?;
         Some(codel.end + open + 1..codel.end + close)
     }
@@ -103,9 +103,9 @@ impl Edit<'_> {
                 let found = self.text()[list.clone()]
                     .match_indices(&format!("{word} "))
                     .collect::<Vec<_>>();
-                found.into_iter().map(|pair| (list.start + pair.0, *word)).collect::<Vec<_>>()
+                found.into_iter().map(|(at, _)| (list.start + at, *word)).collect::<Vec<_>>()
             })
-            .filter(|pair| !self.text()[..pair.0].ends_with(char::is_alphanumeric))
+            .filter(|(at, _)| !self.text()[..*at].ends_with(char::is_alphanumeric))
             .collect();
         let &(at, word) = words.get(random.usize(..words.len().max(1)))?;
         let others: Vec<&str> =
@@ -138,7 +138,7 @@ impl Edit<'_> {
         let all: Vec<&str> = self.text()[list.clone()].split(',').collect();
         let gone = random.usize(..all.len().max(1));
         let left: Vec<&str> =
-            (0..).zip(&all).filter(|pair| pair.0 != gone).map(|pair| *pair.1).collect();
+            (0..).zip(&all).filter(|(at, _)| *at != gone).map(|(_, one)| *one).collect();
         Some(self.subject.with(list, left.join(",").trim_start()))
     }
 
@@ -171,7 +171,7 @@ impl Edit<'_> {
         let text = self.text();
         let all: Vec<usize> = text
             .match_indices(keyword)
-            .map(|pair| pair.0)
+            .map(|(at, _)| at)
             .filter(|at| {
                 !text[..*at]
                     .ends_with(|character: char| character.is_alphanumeric() || character == '_')
@@ -190,7 +190,7 @@ impl Edit<'_> {
         }
         let gone = random.usize(..items.len().max(1));
         let left: Vec<&str> =
-            (0..).zip(&items).filter(|pair| pair.0 != gone).map(|pair| *pair.1).collect();
+            (0..).zip(&items).filter(|(at, _)| *at != gone).map(|(_, one)| *one).collect();
         Some(self.subject.with(list, &format!(" {}", left.join(",").trim_start())))
     }
 }
@@ -264,7 +264,7 @@ fn random_edits_compile_after_one_sync() {
             numbers[1] += 1;
         } else {
             let named = named(&report);
-            let unnamed: Vec<_> = said.iter().filter(|pair| !named.contains(&pair.0)).collect();
+            let unnamed: Vec<_> = said.iter().filter(|(place, _)| !named.contains(place)).collect();
             if unnamed.is_empty() {
                 numbers[2] += 1;
             } else {

@@ -437,7 +437,7 @@ impl Findings {
             compared.push((folder, all));
         }
         self.add(project.unused_allowances(&compared));
-        self.folders = compared.into_iter().map(|pair| pair.0).collect();
+        self.folders = compared.into_iter().map(|(folder, _)| folder).collect();
     }
 
     fn count(&self, code: &str) -> usize {

@@ -186,7 +186,7 @@ impl<'a> Project<'a> {
 
     /// Comments on both sides that allow findings which do not occur.
     pub fn unused_allowances(&self, compared: &[(Folder, Vec<Drift>)]) -> Vec<Diagnostic> {
-        let compared: Vec<_> = compared.iter().map(|pair| (&pair.0, &*pair.1)).collect();
+        let compared: Vec<_> = compared.iter().map(|(folder, found)| (folder, &**found)).collect();
         folder::unused_allowances(&compared, &self.host.analysis()).unwrap_or_default()
     }
 

@@ -98,7 +98,7 @@ impl CheckReport {
             let text = project.text(path).unwrap_or_default();
             let before = text.as_bytes().get(..range.start).unwrap_or_default();
             let line_start =
-                before.iter().rposition(|byte| *byte == b'\n').map_or(0, |index| index + 1);
+                before.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
             FindingPlace {
                 path: path.to_owned(),
                 start: range.start,

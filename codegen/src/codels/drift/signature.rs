@@ -43,8 +43,8 @@ pub(super) fn check(check: &Check<'_>, definitions: &[FunctionIn<'_>], out: &mut
         .iter()
         .map(|definition| differences(check, shape, definition.function))
         .collect();
-    let best = all.iter().zip(definitions).min_by_key(|pair| pair.0.len());
-    if let Some((differences, found)) = best.filter(|pair| !pair.0.is_empty()) {
+    let best = all.iter().zip(definitions).min_by_key(|(found, _)| found.len());
+    if let Some((differences, found)) = best.filter(|(found, _)| !found.is_empty()) {
         out.push(report(check, *found, differences));
         return;
     }

@@ -223,7 +223,7 @@ pub(super) fn words(text: &str) -> Vec<Span> {
         let rest = &bytes[at..];
         let find = |what: &[u8]| rest.windows(what.len()).position(|window| window == what);
         at += match byte {
-            b'/' if rest.starts_with(b"/*") => find(b"*/").map_or(rest.len(), |index| index + 2),
+            b'/' if rest.starts_with(b"/*") => find(b"*/").map_or(rest.len(), |end| end + 2),
             b'/' if rest.starts_with(b"//") => find(b"\n").unwrap_or(rest.len()),
             b'"' | b'\'' => {
                 let mut end = 1;

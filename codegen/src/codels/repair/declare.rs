@@ -39,7 +39,7 @@ impl Repairs<'_> {
     pub fn parameters_of(&self, function: &Function, owner: Owner) -> Vec<String> {
         let mut parameters = function.parameters.as_slice();
         if self.expected.language == Language::C {
-            parameters = parameters.split_last().map_or(&[], |pair| pair.1);
+            parameters = parameters.split_last().map_or(&[], |(_, rest)| rest);
         }
         parameters.iter().filter_map(|parameter| self.parameter(parameter, owner)).collect()
     }

@@ -302,14 +302,13 @@ fn pairs(wanted: &[Parameter], function: &Function) -> Vec<Pair> {
         .iter()
         .zip(out)
         .map(|(parameter, index)| {
-            let old = index.and_then(|index| found[index].name.clone());
+            let old = index.and_then(|old| found[old].name.clone());
             let new = parameter.name.clone().unwrap_or_default();
             // The context is not in the specification. The body may use its usual name for another variable,
             // which would hide it.
             let context = parameter.ty.base == "genom_context";
             let taken = context || old.as_ref() != Some(&new) && (mentioned(&new) || named(&new));
-            let change =
-                index.map_or(Change::Same, |index| change(&found[index].ty, &parameter.ty));
+            let change = index.map_or(Change::Same, |old| change(&found[old].ty, &parameter.ty));
             Pair { found: index, name: old.filter(|_| taken).unwrap_or(new), change }
         })
         .collect()
@@ -415,7 +414,7 @@ fn follow_body(file: &IndexedFile, function: &Function, pairs: &[Pair], edit: &m
     };
     remove_discards(file, function, (pairs, tree.root_node()), edit);
     for pair in pairs {
-        let parameter = pair.found.and_then(|index| function.parameters.get(index));
+        let parameter = pair.found.and_then(|place| function.parameters.get(place));
         let Some(old) = parameter.and_then(|parameter| parameter.name.as_ref()) else {
             continue;
         };

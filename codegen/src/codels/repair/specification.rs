@@ -183,7 +183,7 @@ impl<'t> Iterator for Scan<'t> {
             let rest = self.text.get(self.at..)?;
             let first = rest.chars().next()?;
             let skip = if rest.starts_with("/*") {
-                rest.find("*/").map_or(rest.len(), |index| index + 2)
+                rest.find("*/").map_or(rest.len(), |end| end + 2)
             } else if rest.starts_with("//") || first == '#' {
                 rest.find('\n').unwrap_or(rest.len())
             } else if first == '"' || first == '\'' {

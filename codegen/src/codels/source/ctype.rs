@@ -227,11 +227,11 @@ pub(crate) fn compact(text: &str) -> String {
     let mut rest = text;
     while let Some(c) = rest.chars().next() {
         if let Some(comment) = rest.strip_prefix("/*") {
-            rest = comment.split_once("*/").map_or("", |pair| pair.1);
+            rest = comment.split_once("*/").map_or("", |(_, rest)| rest);
             continue;
         }
         if let Some(comment) = rest.strip_prefix("//") {
-            rest = comment.split_once('\n').map_or("", |pair| pair.1);
+            rest = comment.split_once('\n').map_or("", |(_, rest)| rest);
             continue;
         }
         rest = &rest[c.len_utf8()..];

@@ -72,7 +72,7 @@ pub(super) fn call(
         "parameters" => Some(model.params(
             component,
             &codel.params,
-            |index| ParamRef::Codel(at, index),
+            |param| ParamRef::Codel(at, param),
             arguments,
             FILTERS,
             |param, word| match word {

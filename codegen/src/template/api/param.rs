@@ -212,9 +212,9 @@ pub(super) fn initializer(
         "value" => Some(match &initializer.value {
             InitValue::Void => Answer::pure(String::new()),
             InitValue::Scalar(value) => Answer::pure(value_text(model.spec, value)),
-            InitValue::Compound(parts) => model.list((0..parts.len() as u32).map(|index| {
+            InitValue::Compound(parts) => model.list((0..parts.len() as u32).map(|part| {
                 let mut inside = path.to_vec();
-                inside.push(index);
+                inside.push(part);
                 Object::Initializer(component, param, inside)
             })),
         }),

@@ -105,7 +105,7 @@ pub(super) fn call(
         "masquerade" => {
             let template = arguments.first().map_or(model.template, String::as_str);
             let pairs = known_type.masquerade.iter();
-            let found = pairs.filter(|_| known_type.name.is_some()).find(|pair| pair.0 == template);
+            let found = pairs.filter(|_| known_type.name.is_some()).find(|(of, _)| of == template);
             found.map(|(_, data)| Answer::pure(data.clone()))
         }
         "loc" => {

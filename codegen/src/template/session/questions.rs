@@ -277,7 +277,7 @@ impl Session<'_> {
         }
         if objects.is_empty() {
             let all = (0..self.compiled.spec.types.len() as u32)
-                .map(|index| MapObject::Type(dotgen_analysis::model::TypeId(index)));
+                .map(|ty| MapObject::Type(dotgen_analysis::model::TypeId(ty)));
             objects.extend(all);
         }
         let locations = match locations {

@@ -132,7 +132,7 @@ impl Names {
         let mut known: FxHashSet<&SmolStr> = parameters.collect();
         known.extend(self.declared.iter().chain(&self.in_macros));
         let used = self.used.iter();
-        used.filter(|pair| known.insert(&pair.0)).cloned().collect()
+        used.filter(|(name, _)| known.insert(name)).cloned().collect()
     }
 
     /// Writes through parameters that point to constants.
@@ -150,7 +150,7 @@ impl Names {
             .filter(|name| !self.declared.contains(*name))
             .collect();
         let written = self.written.iter();
-        written.filter(|pair| names.contains(&pair.0)).cloned().collect()
+        written.filter(|(name, _)| names.contains(name)).cloned().collect()
     }
 }
 
