@@ -62,7 +62,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     };
     let interfaces = |all: &[(String, Utf8PathBuf)]| -> anyhow::Result<Vec<_>> {
         let all = all.iter();
-        all.map(|pair| Ok((pair.0.clone(), absolute(&pair.1)?))).collect()
+        all.map(|(name, path)| Ok((name.clone(), absolute(path)?))).collect()
     };
     anyhow::ensure!(
         !arguments.name.is_empty(),

@@ -147,7 +147,7 @@ fn targets(
         let (own, instance) = port_of(name);
         let (component, port) = own.split_once('/').unwrap_or((own, ""));
         let chosen: Vec<&str> =
-            (renamed.iter()).filter(|entry| entry.0 == name).map(|pair| pair.1.as_str()).collect();
+            (renamed.iter()).filter(|(old, _)| old == name).map(|(_, new)| new.as_str()).collect();
         let mut topic = Topic { name: name.to_owned(), targets: Vec::new(), why: None };
         for (number, declaration) in ports.iter().enumerate() {
             let named = chosen.iter().find(|to| port_of(to).0 == declaration.path);

@@ -150,7 +150,7 @@ impl Session {
         about: &Utf8Path,
         names: &[&str],
     ) -> anyhow::Result<Vec<(NamedDeclaration, Option<NamedDeclaration>)>> {
-        let Some((state, machine)) = names.split_last().filter(|pair| !pair.1.is_empty()) else {
+        let Some((state, machine)) = names.split_last().filter(|(_, rest)| !rest.is_empty()) else {
             return Ok(Vec::new());
         };
         let mut found = Vec::new();

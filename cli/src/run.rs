@@ -482,7 +482,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let trace = trace.map(|trace| output(trace, &[PERFETTO, VIEWER]));
     let record = arguments.record.iter().map(|record| output(record, &[MCAP]));
     let written: Vec<Output<'_>> = log.chain(trace).chain(record).collect();
-    outputs::check(&written, all.iter().flat_map(|pair| pair.1.files()))?;
+    outputs::check(&written, all.iter().flat_map(|(_, problem)| problem.files()))?;
     let mut answers = Vec::new();
     for (session, problem) in all {
         match one(arguments, (&session, problem), (&checks, &interrupt), &mut trouble)? {

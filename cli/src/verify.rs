@@ -180,7 +180,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let written = arguments.trace.iter().chain(&arguments.certificate);
     let written: Vec<Output<'_>> =
         written.map(|path| Output { path, endings: &[VIEWER] }).collect();
-    outputs::check(&written, all.iter().flat_map(|pair| pair.1.files()))?;
+    outputs::check(&written, all.iter().flat_map(|(_, problem)| problem.files()))?;
     for (session, problem) in all {
         let is_first = answers.is_empty();
         match answer(arguments, &checks, &session, problem, &interrupt, is_first)? {

@@ -210,7 +210,7 @@ fn a_trace_has_a_slice_for_each_run() {
     let again = std::fs::read(directory.path().join("again.pftrace")).expect("written");
     assert!(trace == again);
     let get = |all: &[(u64, Field<'_>)], key: u64| {
-        all.iter().find(|entry| entry.0 == key).map(|pair| pair.1.number())
+        all.iter().find(|(of, _)| *of == key).map(|(_, field)| field.number())
     };
     let mut tracks = std::collections::BTreeMap::new();
     let mut open: std::collections::BTreeMap<u64, Vec<u64>> = std::collections::BTreeMap::new();

@@ -112,7 +112,7 @@ fn stubs_are_strict_and_find_what_is_wrong() {
     found.dedup();
     let first = USE.lines().count() + 1;
     let expected: Vec<String> =
-        (first..first + wrong.len()).map(|index| format!("bad.py:{index}")).collect();
+        (first..first + wrong.len()).map(|line| format!("bad.py:{line}")).collect();
     assert_eq!(found, expected.iter().collect::<Vec<_>>(), "{said}{}", stderr(&output));
 }
 

@@ -75,8 +75,8 @@ fn text_fits(expected: &str, text: &str) -> bool {
     let Some(text) = text.strip_prefix(start) else {
         return false;
     };
-    let starts = text.char_indices().map(|(index, _)| index);
-    starts.chain([text.len()]).any(|index| text_fits(rest, &text[index..]))
+    let starts = text.char_indices().map(|(at, _)| at);
+    starts.chain([text.len()]).any(|at| text_fits(rest, &text[at..]))
 }
 
 /// A shell for the commands of the page.

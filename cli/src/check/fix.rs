@@ -72,7 +72,7 @@ pub(super) fn apply_fixes(
             which.includes(fix, finding.severity) && is_within_arguments(session, fix)
         });
         let edits: Vec<(Edit, &Diagnostic)> =
-            first.map(|pair| (Edit::of(&pair.0.edits), pair.1)).collect();
+            first.map(|(fix, finding)| (Edit::of(&fix.edits), finding)).collect();
         let mut project = project(session, changed);
         let mut made = Vec::new();
         for (roots, edits) in by_roots(&project, edits) {
@@ -82,7 +82,7 @@ pub(super) fn apply_fixes(
                 edits.iter().map(|edit| (edit.0.clone(), edit.1.code)).collect();
             let (edit, chosen) = judge.together(&of_codes, false);
             room = judge.room;
-            for edit in chosen.into_iter().filter_map(|index| edits.get(index)) {
+            for edit in chosen.into_iter().filter_map(|place| edits.get(place)) {
                 let title = edit.1.fixes.first().map_or("", |fix| &fix.title);
                 let of_file = titles.entry(edit.1.path.clone()).or_default();
                 *of_file.entry(title.to_owned()).or_default() += 1;

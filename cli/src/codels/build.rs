@@ -505,7 +505,7 @@ fn place(text: &str, line: usize, column: usize) -> std::ops::Range<usize> {
     }
     let line = lines.next().unwrap_or_default().trim_end_matches(['\r', '\n']);
     let at = line.char_indices().nth(column.saturating_sub(1));
-    let at = at.map_or(line.len(), |pair| pair.0);
+    let at = at.map_or(line.len(), |(byte, _)| byte);
     let word =
         line[at..].chars().take_while(|character| character.is_alphanumeric() || *character == '_');
     let length: usize = word.map(char::len_utf8).sum();

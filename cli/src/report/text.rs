@@ -86,7 +86,7 @@ fn summary(report: &FileReports) -> String {
     ]
     .into_iter()
     .map(|(severity, one, many)| (report.count(severity), one, many))
-    .filter(|triple| triple.0 > 0)
+    .filter(|(count, ..)| *count > 0)
     .map(|(count, one, many)| counted(count, one, many))
     .collect();
     if report.incomplete > 0 {

@@ -474,5 +474,5 @@ fn messages(recording: Option<Recording<'_, '_>>) -> anyhow::Result<Option<Recor
 }
 
 fn lines(profile: Option<Profile<'_, Runs<'_, '_>>>) -> io::Result<u64> {
-    profile.map_or(Ok(0), |profile| profile.finish().map(|pair| pair.1))
+    profile.map_or(Ok(0), |profile| profile.finish().map(|(_, lines)| lines))
 }

@@ -65,11 +65,11 @@ pub(super) fn start(
         };
         let spec = problem.units[member.spec_index].spec.clone();
         let mut all = spec.components.iter_enumerated();
-        let Some((component, _)) = all.find(|pair| pair.1.name == member.component.name) else {
+        let Some((component, _)) = all.find(|(_, of)| of.name == member.component.name) else {
             continue;
         };
         let services = member.component.services.keys();
-        let services = services.map(|index| built.services.get(&(name, index)).copied());
+        let services = services.map(|service| built.services.get(&(name, service)).copied());
         let known_here = KnownComponent {
             services: services.collect(),
             executed: parts.of(at).is_some(),
@@ -219,7 +219,7 @@ fn read(
         );
     };
     let mut all = known.iter();
-    let Some((&at, declaration)) = all.find(|pair| pair.1.component().name == component) else {
+    let Some((&at, declaration)) = all.find(|(_, of)| of.component().name == component) else {
         anyhow::bail!("`--zenoh-read {text}`: no component `{component}` runs");
     };
     let mut ports = declaration.component().ports.iter_enumerated();

@@ -63,7 +63,7 @@ fn shared_remarks(rows: &mut [Row]) -> Vec<String> {
         }
     }
     for row in rows {
-        row.shared = shared.iter().position(|remark| *remark == row.remark).map(|index| index + 1);
+        row.shared = shared.iter().position(|remark| *remark == row.remark).map(|place| place + 1);
     }
     shared
 }

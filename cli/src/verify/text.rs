@@ -304,8 +304,8 @@ pub(crate) fn run(
     let time = |step: usize| unit.show(events[step].time);
     let lines = lines(events, cycle);
     let left_out = left_out(&lines, events, cycle);
-    let shown = lines.iter().enumerate().filter(|pair| !left_out.contains(&pair.0));
-    let steps = shown.filter_map(|pair| match pair.1 {
+    let shown = lines.iter().enumerate().filter(|(at, _)| !left_out.contains(at));
+    let steps = shown.filter_map(|(_, line)| match line {
         Line::Step(step) => Some(*step),
         Line::Again(..) => None,
     });

@@ -212,7 +212,7 @@ fn answer(
         FormName::Clause => WcetForm::Clause,
     };
     let mut of_units: Vec<Vec<NewWcet>> =
-        (0..problem.units.len()).map(|index| of_unit(problem, &names, index, &wanted)).collect();
+        (0..problem.units.len()).map(|unit| of_unit(problem, &names, unit, &wanted)).collect();
     unify_declarations(&problem.units, &mut of_units);
     edit_specifications(&mut answer, problem, &of_units, form)?;
     for (unit, of_unit) in problem.units.iter().zip(&of_units) {

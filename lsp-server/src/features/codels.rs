@@ -449,8 +449,8 @@ pub(crate) fn sources_with_findings(snapshot: &Snapshot) -> Cancellable<Vec<Utf8
 pub(crate) fn fingerprint(snapshot: &Snapshot) -> Cancellable<u64> {
     let mut hasher = FxHasher::default();
     let mut anything = false;
-    let code = snapshot.open.iter().filter(|pair| pair.1.language == Language::Codel);
-    for path in code.map(|code| code.0) {
+    let code = snapshot.open.iter().filter(|(_, open)| open.language == Language::Codel);
+    for path in code.map(|(path, _)| path) {
         for (lens, _) in crate::features::codels::lenses::lenses(snapshot, path)? {
             anything = true;
             lens.hash(&mut hasher);

@@ -78,7 +78,7 @@ pub fn files(
     let of_scenario = scn::format(&made.scenario).unwrap_or(made.scenario);
     let mut out = vec![(specification, text), (scenario, of_scenario)];
     out.extend(stubs.into_iter().map(|stub| (stub.path, stub.after)));
-    match out.iter().find(|pair| texts.read(&pair.0).is_some()) {
+    match out.iter().find(|(path, _)| texts.read(path).is_some()) {
         Some((path, _)) => Err(format!(
             "`{}` is there already: choose another name or folder, or remove it",
             path.strip_prefix(folder.parent().unwrap_or(folder)).unwrap_or(path)

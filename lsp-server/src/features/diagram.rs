@@ -66,7 +66,7 @@ impl LastGood {
     fn get(&self, key: &str) -> Option<Value> {
         let all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let found = all.iter().find(|entry| entry.0 == key);
-        found.map(|pair| pair.1.clone())
+        found.map(|(_, value)| value.clone())
     }
 
     fn set(&self, key: String, value: Value) {

@@ -37,7 +37,7 @@ fn tank() -> Folder {
     let all =
         FILES.iter().chain(&["codels/Makefile.am"]).map(|file| (*file, read(example().join(file))));
     let all: Vec<_> = all.collect();
-    let files: Vec<_> = all.iter().map(|pair| (pair.0, pair.1.as_str())).collect();
+    let files: Vec<_> = all.iter().map(|(file, text)| (*file, text.as_str())).collect();
     Folder::new(&files)
 }
 
@@ -68,7 +68,7 @@ fn place(text: &str, what: &str, nth: usize) -> Value {
 
 fn place_at(text: &str, offset: usize) -> Value {
     let line = text[..offset].matches('\n').count();
-    let start = text[..offset].rfind('\n').map_or(0, |index| index + 1);
+    let start = text[..offset].rfind('\n').map_or(0, |end| end + 1);
     json!({ "line": line, "character": offset - start })
 }
 

@@ -56,7 +56,7 @@ async fn draw(client: &mut Client, uri: &str, more: Value) -> Value {
 fn position(of: &str) -> Value {
     let text = text();
     let offset = text.find(of).expect("it occurs");
-    let start = text[..offset].rfind('\n').map_or(0, |index| index + 1);
+    let start = text[..offset].rfind('\n').map_or(0, |end| end + 1);
     json!({ "line": text[..offset].matches('\n').count(), "character": offset - start })
 }
 

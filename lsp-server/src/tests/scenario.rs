@@ -44,7 +44,7 @@ async fn start(scenario: &str) -> (Client, Folder, String, Value) {
     let text = scenario.replace("$0", "");
     client.open(&uri, &text).await;
     let line = text[..offset].matches('\n').count();
-    let start = text[..offset].rfind('\n').map_or(0, |index| index + 1);
+    let start = text[..offset].rfind('\n').map_or(0, |end| end + 1);
     let mut params = document(&uri);
     params["position"] = json!({ "line": line, "character": offset - start });
     (client, folder, uri, params)
@@ -358,7 +358,7 @@ async fn half_typed_text_is_survived() {
         version += 1;
         client.change(&uri, version, json!([{ "text": text }])).await;
         let line = text[..offset].matches('\n').count();
-        let start = text[..offset].rfind('\n').map_or(0, |index| index + 1);
+        let start = text[..offset].rfind('\n').map_or(0, |end| end + 1);
         let mut params = document(&uri);
         params["position"] = json!({ "line": line, "character": offset - start });
         for method in [

@@ -262,7 +262,7 @@ impl Work<'_> {
         if !self.snapshot.client.show_document {
             return None;
         }
-        let created = edit.created.iter().map(|pair| (pair.0, pair.1.clone()));
+        let created = edit.created.iter().map(|(path, text)| (path, text.clone()));
         let changed = edit
             .changed
             .iter()

@@ -133,8 +133,8 @@ fn reviewed_edit(
     changed: Vec<(Uri, Option<i32>, Vec<TextEdit>)>,
 ) -> WorkspaceEdit {
     if !client.document_changes || !(created.is_empty() || client.creates_files) {
-        let created = created.into_iter().map(|pair| (pair.0, vec![pair.1]));
-        let changed = changed.into_iter().map(|triple| (triple.0, triple.2));
+        let created = created.into_iter().map(|(uri, edit)| (uri, vec![edit]));
+        let changed = changed.into_iter().map(|(uri, _, edits)| (uri, edits));
         #[allow(clippy::mutable_key_type, reason = "the type of the protocol")]
         let changes: HashMap<_, _> = created.chain(changed).collect();
         return WorkspaceEdit::new(changes);

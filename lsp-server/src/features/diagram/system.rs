@@ -74,8 +74,8 @@ impl Names {
     /// The folder of a file.
     fn folder(&self, file: &Utf8Path) -> Option<usize> {
         let around =
-            (0..self.folders.len()).filter(|index| file.starts_with(&self.folders[*index]));
-        around.max_by_key(|index| self.folders[*index].as_str().len())
+            (0..self.folders.len()).filter(|folder| file.starts_with(&self.folders[*folder]));
+        around.max_by_key(|folder| self.folders[*folder].as_str().len())
     }
 
     /// The last names in the path of a folder, as many as no other folder has. A point would end the name of

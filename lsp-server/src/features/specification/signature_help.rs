@@ -21,7 +21,7 @@ pub(crate) fn handle(
         },
         documentation: None,
     });
-    let active = help.active.map(|index| index as u32);
+    let active = help.active.map(|parameter| parameter as u32);
     Ok(Some(SignatureHelp {
         signatures: vec![SignatureInformation {
             parameters: Some(parameters.collect()),

@@ -64,7 +64,7 @@ pub(crate) fn lenses(
             }
         }
     }
-    Ok(worst.into_iter().map(|triple| (triple.0.start, triple.2)).collect())
+    Ok(worst.into_iter().map(|(range, _, lens)| (range.start, lens)).collect())
 }
 
 /// The results of the task whose name is at an offset, for its hover.

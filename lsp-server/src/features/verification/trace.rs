@@ -76,7 +76,7 @@ pub(crate) fn trace(
         trace.focus.cause.clone_from(&answer.view().checks[number].cause);
     }
     let places = question.shown.places();
-    let trace = trace.placed(|pair| locate(snapshot, places, Some(pair)))?;
+    let trace = trace.placed(|place| locate(snapshot, places, Some(place)))?;
     let changes = if simulation.is_none() && !question.params.is_varied() {
         changes(answer, &answer.view().checks[number])
     } else {

@@ -169,7 +169,7 @@ mod tests {
     fn offsets_and_positions_are_inverse() {
         for encoding in [Encoding::Utf8, Encoding::Utf16, Encoding::Utf32] {
             let lines = lines(encoding);
-            for (offset, _) in TEXT.char_indices().filter(|pair| pair.0 != 8) {
+            for (offset, _) in TEXT.char_indices().filter(|(offset, _)| *offset != 8) {
                 assert_eq!(lines.offset(lines.position(offset)), Some(offset));
             }
         }

@@ -39,10 +39,10 @@ impl Backend {
             let mut queue: VecDeque<Utf8PathBuf> = open.into_iter().chain(rest).collect();
             let there: FxHashSet<&Utf8PathBuf> = queue.iter().collect();
             let gone = known.extract_if(|path, _| !there.contains(path));
-            let mut items: Vec<_> = gone.map(|pair| diagnostics::gone(pair.1)).collect();
+            let mut items: Vec<_> = gone.map(|(_, known)| diagnostics::gone(known)).collect();
             while !queue.is_empty() || !items.is_empty() && token.is_some() {
                 let paths = queue.drain(..BATCH.min(queue.len())).collect();
-                let ids = known.iter().map(|pair| (pair.0.clone(), pair.1.value.clone()));
+                let ids = known.iter().map(|(path, id)| (path.clone(), id.value.clone()));
                 let part = Part { paths, known: Arc::new(ids.collect()) };
                 let reports = self.dispatch.anywhere(RequestScope::BULK, part, diagnostics::part);
                 items.extend(reports.await.map_err(retriggered)?);

@@ -208,7 +208,7 @@ fn narrow<T: DeserializeOwned>(value: &Value, path: &mut Vec<String>, trials: &m
         let Some(part) = at(value, path) else { return };
         let children: Vec<String> = match part {
             Value::Object(fields) => fields.keys().cloned().collect(),
-            Value::Array(values) => (0..values.len()).map(|index| index.to_string()).collect(),
+            Value::Array(values) => (0..values.len()).map(|place| place.to_string()).collect(),
             _ => return,
         };
         let outer = path.clone();
@@ -244,8 +244,8 @@ fn remove(value: &mut Value, path: &[String]) {
     });
     match parent {
         Some(Value::Array(values)) => {
-            if let Some(index) = last.parse().ok().filter(|index| *index < values.len()) {
-                values.remove(index);
+            if let Some(place) = last.parse().ok().filter(|place| *place < values.len()) {
+                values.remove(place);
             }
         }
         Some(Value::Object(fields)) if last == "capabilities" && outer.is_empty() => {

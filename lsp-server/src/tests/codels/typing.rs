@@ -68,7 +68,7 @@ async fn a_text_that_breaks_off_anywhere_keeps_lenses_implementations_and_findin
         assert_eq!(plain, lenses, "at {cut}");
         let left = drift(&mut client, &places).await;
         // The last codel name may be cut; names after it have no place for a finding.
-        let whole = text[..cut].rfind("codel").map_or("", |index| &text[..index]);
+        let whole = text[..cut].rfind("codel").map_or("", |end| &text[..end]);
         for message in &findings {
             let named = message.split('`').skip(1).step_by(2);
             let mut codels = named.filter(|part| part.starts_with("tank_"));
