@@ -89,7 +89,7 @@ pub fn join(
             }
             let chosen =
                 wanted.reads.iter().filter(|entry| entry.0 == component && entry.1 == index.0);
-            let mut keys: Vec<String> = chosen.map(|triple| triple.2.clone()).collect();
+            let mut keys: Vec<String> = chosen.map(|(.., key)| key.clone()).collect();
             if keys.is_empty() && !is_fed(component, index.0) {
                 keys.push(format!("*/{}", port.name));
                 if port.multiple {

@@ -63,9 +63,9 @@ pub fn connect(path: Option<&Path>) -> Result<UnixStream, String> {
     match found.len() {
         0 => Err("no run accepts requests; start one with `dotgen run --clock real FILE`. A run that was just started \
              may still be compiling".to_owned()),
-        1 => found.pop().map(|pair| pair.1).ok_or_else(String::new),
+        1 => found.pop().map(|(_, stream)| stream).ok_or_else(String::new),
         _ => {
-            let names = found.iter().map(|pair| pair.0.display().to_string());
+            let names = found.iter().map(|(socket, _)| socket.display().to_string());
             let names: Vec<String> = names.collect();
             let names = names.join(", ");
             Err(format!(

@@ -200,7 +200,7 @@ fn insert_pragma_above(usage: &CodelUse<'_>, text: &str, name: &str, micros: u64
     let end = LineEnd::of(text).as_str();
     let pragma = format!("#pragma wcet {name} {}{end}", written(micros));
     let before = text.get(..usage.range.start).unwrap_or_default();
-    let line = before.rfind('\n').map_or(0, |index| index + 1);
+    let line = before.rfind('\n').map_or(0, |end| end + 1);
     let between = before.get(line..).unwrap_or_default();
     // The words that begin the declaration of a codel.
     let begins =
@@ -229,7 +229,7 @@ pub fn scenario(
     let edit = |range, new_text| FileEdit { path: path.to_owned(), range, new_text };
     let statement_end = |from: usize| {
         let rest = text.get(from..).unwrap_or_default();
-        rest.find(';').map(|index| from + index)
+        rest.find(';').map(|rest| from + rest)
     };
     let mut edits = Vec::new();
     let mut fresh = Vec::new();
@@ -270,7 +270,7 @@ pub fn scenario(
     });
     if let (Some(at), false) = (last, fresh.is_empty()) {
         let before = text.get(..at).unwrap_or_default();
-        let line = before.rfind('\n').map_or(0, |index| index + 1);
+        let line = before.rfind('\n').map_or(0, |end| end + 1);
         let line = before.get(line..).unwrap_or_default();
         let blanks: String =
             line.chars().take_while(|character| matches!(character, ' ' | '\t')).collect();

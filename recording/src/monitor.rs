@@ -433,7 +433,7 @@ impl<'s> Monitor<'s> {
         let machine = self.machines.entry(key).or_default();
         // Servers start their tasks before cores matter.
         let starts_up = at.permanent && !machine.paused;
-        machine.paused |= at.next.is_none_or(|pair| pair.1);
+        machine.paused |= at.next.is_none_or(|(_, paused)| paused);
         let core = self.model.core(at.task, at.is_async);
         let run = CodelRun {
             codel: at.codel,
@@ -469,7 +469,7 @@ impl<'s> Monitor<'s> {
         // A chain of asynchronous codels with threads of their own lasts over several turns, and is not a
         // job.
         if entry.is_alone && !(at.is_async && self.model.system.platform.async_free) {
-            let ends = at.next.is_none_or(|pair| pair.1);
+            let ends = at.next.is_none_or(|(_, paused)| paused);
             self.chain(at, &run, entry.since, entry.begins_chain, ends);
         }
     }

@@ -198,7 +198,7 @@ impl Collector {
                     let Some(last) = last.get_mut(group) else {
                         continue;
                     };
-                    let before = last.and_then(|pair| Some((task.entries.get(pair.0)?, pair.1)));
+                    let before = last.and_then(|(entry, at)| Some((task.entries.get(entry)?, at)));
                     let paused = match before {
                         None => false,
                         // Of equal lines the last one counts: it replaces the previous one.
@@ -273,7 +273,7 @@ impl Collector {
             transitions.push(Transition { from: of.from.clone(), to: of.to.clone(), count });
         }
         let mut placed: Vec<_> = places.into_iter().zip(transitions).collect();
-        placed.sort_by_key(|pair| pair.0);
+        placed.sort_by_key(|(place, _)| *place);
         let first = sum.order.first().and_then(|&order| kind(order));
         let first = first.filter(|_| key.len() == 4);
         Group {
@@ -287,7 +287,7 @@ impl Collector {
                 deviation: 0,
             }),
             cycle: sum.cycles.times().or(sum.periods.times()),
-            transitions: placed.into_iter().map(|pair| pair.1).collect(),
+            transitions: placed.into_iter().map(|(_, transition)| transition).collect(),
         }
     }
 }
@@ -310,7 +310,7 @@ struct GroupSums {
 
 impl GroupSums {
     fn next(&mut self, entry: Entry, place: usize) {
-        if self.pending.is_some_and(|pair| pair.0.asked != entry.asked) {
+        if self.pending.is_some_and(|(last, _)| last.asked != entry.asked) {
             self.flush();
         }
         self.pending = Some((entry, place));

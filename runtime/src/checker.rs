@@ -307,7 +307,7 @@ impl<'p> RunChecker<'p> {
                 Violation::BeyondBound { task: of, .. } => of == task,
                 _ => false,
             };
-            if let Some((response, when)) = self.longest[task].filter(|pair| pair.0 > bound)
+            if let Some((response, when)) = self.longest[task].filter(|(time, _)| *time > bound)
                 && !self.violations.iter().any(|violation| of_task(&violation.1))
             {
                 let violation = Violation::BeyondBound { task, response, bound };
@@ -462,7 +462,7 @@ impl<'p> RunChecker<'p> {
                 self.lasts(now, check, time);
             }
         }
-        if self.longest[task].is_none_or(|pair| time > pair.0) {
+        if self.longest[task].is_none_or(|(longest, _)| time > longest) {
             self.longest[task] = Some((time, now));
         }
         if let Some(bound) = self.bounds[task].filter(|&bound| time > bound)

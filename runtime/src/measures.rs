@@ -46,7 +46,7 @@ impl<'p> Measures<'p> {
 
     /// Returns true if the run must end after a measure that is over.
     pub(crate) fn stop(&self, stepper: &Stepper) -> bool {
-        let mut begun = self.all.iter().zip(&self.begun).filter(|pair| *pair.1);
+        let mut begun = self.all.iter().zip(&self.begun).filter(|(_, begun)| **begun);
         begun.any(|(measure, _)| measure.stops && stepper.has_ended(measure.client))
     }
 

@@ -31,8 +31,8 @@ impl RunReport {
                 return Err(format!("two reports contain the run with the seed {}", other.seed));
             }
         }
-        let is_gap = |pair: &[RunReport]| pair[1].seed - pair[0].seed > pair[0].runs;
-        let gaps = parts.windows(2).filter(|pair| is_gap(pair)).count();
+        let is_gap = |two: &[RunReport]| two[1].seed - two[0].seed > two[0].runs;
+        let gaps = parts.windows(2).filter(|two| is_gap(two)).count();
         let mut parts = parts.into_iter();
         let mut whole = parts.next().ok_or("no report to merge")?;
         for part in parts {

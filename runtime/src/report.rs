@@ -353,8 +353,8 @@ impl RunReport {
     /// Counts the requests of clients that are not of the scenario, from `first` on.
     pub fn count_outside_model(&mut self, tally: &Tally, first: ClientId) {
         let clients = tally.clients.iter_enumerated();
-        let outside = clients.filter(|pair| pair.0 >= first);
-        self.requests_outside_model = outside.map(|pair| pair.1).sum();
+        let outside = clients.filter(|(client, _)| *client >= first);
+        self.requests_outside_model = outside.map(|(_, requests)| requests).sum();
     }
 
     /// Returns true if there was a violation.
@@ -417,7 +417,7 @@ impl ReportBuilder<'_> {
                 why: judge.idle(number).map(|idle| self.why(idle)),
                 greatest,
                 limit: limit.map(|limit| Value::Time(limit.time())),
-                exceeded: (limit.zip(greatest)).is_some_and(|pair| pair.0.is_exceeded_by(pair.1)),
+                exceeded: limit.zip(greatest).is_some_and(|(limit, it)| limit.is_exceeded_by(it)),
                 at: answer.at.map(|moment| self.at(moment)),
                 violations: answer.violations,
                 in_runs: answer.in_runs,

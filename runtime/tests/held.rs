@@ -160,7 +160,7 @@ fn refused_requests_are_counted_whatever_refuses_them() {
         let none: Option<&mut dotgen_runtime::profile::Profile<Vec<u8>>> = None;
         let outcome = simulate(&prepared, vec![None; 1], &plan, none, None, &|| false);
         let services = &prepared.built.system.services;
-        let found = services.iter_enumerated().find(|pair| pair.1.name.ends_with(service));
+        let found = services.iter_enumerated().find(|(_, other)| other.name.ends_with(service));
         let counts = outcome.tally.services[found.expect("a service").0];
         (counts.requests, counts.refused)
     };
@@ -199,6 +199,6 @@ fn each_run_takes_its_measures() {
     let none: Option<&mut dotgen_runtime::profile::Profile<Vec<u8>>> = None;
     let outcome = simulate(&prepared, vec![None; 1], &plan, none, None, &|| false);
     let services = prepared.built.system.services.iter_enumerated();
-    let go = services.into_iter().find(|pair| pair.1.name == "go").expect("a service").0;
+    let go = services.into_iter().find(|(_, service)| service.name == "go").expect("a service").0;
     assert_eq!(outcome.tally.services[go].requests, 3);
 }

@@ -222,7 +222,7 @@ const MS: i64 = 1_000_000;
 
 /// Returns the index of a run of a function, far from the start.
 fn place(rows: &[Row], function: &str) -> usize {
-    let places = rows.iter().enumerate().filter(|pair| pair.1.is(function));
+    let places = rows.iter().enumerate().filter(|(_, row)| row.is(function));
     places.map(|place| place.0).nth(10).expect("it was executed often")
 }
 
@@ -436,7 +436,7 @@ scenario plant {
             let long = b.times[1] + MS < b.times[2];
             a.times[1] + MS < b.times[1] && b.times[2] + MS < a.times[2] && long
         };
-        let slow = rows.iter().enumerate().filter(|pair| pair.1.is("slow_second"));
+        let slow = rows.iter().enumerate().filter(|(_, row)| row.is("slow_second"));
         let side = || rows.iter().filter(|row| row.is("side_start"));
         let mut nested =
             slow.filter_map(|(at, row)| Some((at, side().find(|side| inside(row, side))?.times)));

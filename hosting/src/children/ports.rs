@@ -34,7 +34,8 @@ pub(super) struct SharedDataPool {
 impl Children {
     /// Puts new data of a source into shared memory, and sends its path to readers that do not have it.
     pub(super) fn show(&mut self, origin: Origin, readers: &[Reader<'_>], data: &[u8]) {
-        let fits = self.shared_data.of.get(&origin).is_some_and(|pair| pair.1.holds(data.len()));
+        let board = self.shared_data.of.get(&origin);
+        let fits = board.is_some_and(|(_, board)| board.holds(data.len()));
         if !fits {
             let Ok(board) = SharedData::new(data.len()) else {
                 // Memory is exhausted: readers keep their data.
@@ -43,7 +44,7 @@ impl Children {
             };
             self.shared_data.made += 1;
             let small = self.shared_data.of.insert(origin.clone(), (self.shared_data.made, board));
-            self.shared_data.small.extend(small.map(|pair| pair.1));
+            self.shared_data.small.extend(small.map(|(_, board)| board));
         }
         let Some((number, board)) = self.shared_data.of.get_mut(&origin) else {
             return;

@@ -9,7 +9,7 @@ use dotgen_timing::system::ComponentId;
 pub(super) fn component(shared: &Shared, name: &str) -> Result<ComponentId, String> {
     let mut all = shared.known.iter();
     let found = all.find(|(_, component)| component.component().name == name);
-    found.map(|pair| *pair.0).ok_or_else(|| {
+    found.map(|(id, _)| *id).ok_or_else(|| {
         let names: Vec<&str> =
             shared.known.values().map(|component| component.component().name.as_str()).collect();
         missing("the run", "component", name, &names)

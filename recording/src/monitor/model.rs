@@ -295,7 +295,7 @@ impl<'s> Model<'s> {
             codel: of.codel,
             is_async: of.is_async,
             to: led,
-            next: next.map(|index| (index, to.paused)),
+            next: next.map(|state| (state, to.paused)),
         })
     }
 

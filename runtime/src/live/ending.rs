@@ -72,7 +72,7 @@ impl Live<'_> {
             codels.map(|codel| self.system.codels[codel].path.to_string()).collect();
         if out.is_empty() {
             let components = self.system.components.iter_enumerated();
-            let left = components.filter(|pair| self.has_to_end(pair.0, stepper));
+            let left = components.filter(|(id, _)| self.has_to_end(*id, stepper));
             out.extend(left.map(|(_, component)| component.name.clone()));
         }
         self.unfinished.append(&mut out);

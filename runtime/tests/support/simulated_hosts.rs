@@ -341,7 +341,7 @@ impl<'s> Simulated<'s> {
         state.unsent.push(ran);
         let next = &cycles.delegation.states[cycles.state].next;
         let next = next.iter().find(|(event, _)| *event == name);
-        let next = next.filter(|_| how == CodelEnd::Event).map(|pair| pair.1);
+        let next = next.filter(|_| how == CodelEnd::Event).map(|&(_, next)| next);
         match next {
             Some(DelegatedYield::Next(to)) if !cycles.recalled => {
                 cycles.state = to;
