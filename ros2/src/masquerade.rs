@@ -62,10 +62,10 @@ impl<'s> Pragma<'s> {
     fn of(spec: &'s Spec, mut ty: TypeId) -> Option<Self> {
         // The bound protects against cycles in foreign data.
         for _ in 0..spec.types.len() {
-            let pairs = || spec.ty(ty).masquerade.iter();
             let of_ros = |name: &str| matches!(name.split('/').next(), Some("ros" | "ros2"));
-            let first = pairs().find(|pair| pair.0.starts_with("ros2") && of_ros(&pair.0));
-            if let Some((template, data)) = first.or_else(|| pairs().find(|pair| of_ros(&pair.0))) {
+            let mut pairs = spec.ty(ty).masquerade.iter().filter(|(name, _)| of_ros(name));
+            let first = pairs.clone().find(|(name, _)| name.starts_with("ros2"));
+            if let Some((template, data)) = first.or_else(|| pairs.next()) {
                 return Some(Pragma { spec, ty, template, data });
             }
             ty = match spec.ty(ty).kind {

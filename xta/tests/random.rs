@@ -95,7 +95,7 @@ impl Random {
             out += &automaton.text(index);
         }
         let names: Vec<String> =
-            (0..self.automata.len()).map(|index| format!("P{index}")).collect();
+            (0..self.automata.len()).map(|number| format!("P{number}")).collect();
         out + &format!("system {};", names.join(", "))
     }
 

@@ -67,7 +67,7 @@ pub(super) fn endurance(dotgen: &Path, minutes: f64) -> Result<()> {
 fn slope(samples: &[(f64, f64)]) -> f64 {
     let count = samples.len().max(1) as f64;
     let mean = |f: fn(&(f64, f64)) -> f64| samples.iter().map(f).sum::<f64>() / count;
-    let (x, y) = (mean(|pair| pair.0), mean(|pair| pair.1));
+    let (x, y) = (mean(|(x, _)| *x), mean(|(_, y)| *y));
     let covariance: f64 = samples.iter().map(|sample| (sample.0 - x) * (sample.1 - y)).sum();
     let variance: f64 = samples.iter().map(|sample| (sample.0 - x).powi(2)).sum();
     covariance / variance.max(1e-9)

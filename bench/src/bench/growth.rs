@@ -139,7 +139,7 @@ pub(crate) fn growth(dotgen: &Path, runs: usize) -> Result<()> {
         across: "components",
         powers: SECONDS,
         ratios: false,
-        lines: drawn(|triple| triple.1),
+        lines: drawn(|(_, seconds, _)| *seconds),
     };
     std::fs::write(pictures.join("growth-time.svg"), chart.svg())?;
     let chart = Chart {
@@ -147,7 +147,7 @@ pub(crate) fn growth(dotgen: &Path, runs: usize) -> Result<()> {
         across: "components",
         powers: &[(10.0, "10 MB"), (100.0, "100 MB"), (1000.0, "1 GB"), (10000.0, "10 GB")],
         ratios: false,
-        lines: drawn(|triple| triple.2),
+        lines: drawn(|(.., megabytes)| *megabytes),
     };
     std::fs::write(pictures.join("growth-memory.svg"), chart.svg())?;
     step("Drew docs/charts/growth-time.svg and growth-memory.svg");

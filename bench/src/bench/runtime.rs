@@ -68,7 +68,7 @@ impl Bench<'_> {
         )?;
         chain.run(self.seconds, &[])?;
         let entries = chain.numbers()?;
-        let apart = entries.windows(2).map(|pair| pair[1] - pair[0]);
+        let apart = entries.windows(2).map(|two| two[1] - two[0]);
         let samples = apart.filter(|&nanos| nanos < SAME_TICK_NANOS).collect();
         Samples::new(samples).print("codel to codel of a chain");
         Ok(())

@@ -281,7 +281,7 @@ fn table(all: &BTreeMap<usize, Figures>) {
     let counts: Vec<String> = all.keys().map(ToString::to_string).collect();
     println!("\n| components | {} |", counts.join(" | "));
     println!("| --- |{}", " --- |".repeat(counts.len()));
-    let names: Vec<&str> = all.values().next().into_iter().flatten().map(|pair| pair.0).collect();
+    let names: Vec<_> = all.values().next().into_iter().flatten().map(|(name, _)| *name).collect();
     for (row, name) in names.iter().enumerate() {
         let cells = all.values().map(|sizes| match sizes[row].1 {
             value if name.ends_with("MB") => format!("{value:.0}"),

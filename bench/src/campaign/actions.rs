@@ -283,9 +283,9 @@ fn check_fix(
     }
     let differs = |(a, b): &(&str, &str)| a != b;
     let zip = || std::iter::zip(text.lines(), fixed.lines());
-    let first = zip().take_while(|pair| !differs(pair)).count();
+    let first = zip().take_while(|lines| !differs(lines)).count();
     let backwards = std::iter::zip(text.lines().rev(), fixed.lines().rev());
-    let same = backwards.take_while(|pair| !differs(pair)).count();
+    let same = backwards.take_while(|lines| !differs(lines)).count();
     let last = fixed.lines().count().saturating_sub(same).max(first);
     let touched = ChangedLines::from([(path.to_owned(), vec![[first, last]])]);
     let root = &workspace.copy.root;

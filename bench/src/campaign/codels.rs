@@ -94,7 +94,7 @@ impl Folder<'_> {
     /// Compares findings with the compiler, then repairs and compiles again; the texts are restored.
     fn measure(&self, report: &mut Report, group: &str, context: &str) -> Result<()> {
         let before: Vec<_> = self.compiled();
-        let compiling = before.iter().filter(|pair| pair.0).count();
+        let compiling = before.iter().filter(|(compiles, _)| *compiles).count();
         report.count(group, "sources", self.sources.len());
         report.count(group, "sources that compile", compiling);
         self.judge(report, group, context, &before)?;

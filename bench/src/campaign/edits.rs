@@ -172,7 +172,7 @@ fn is_border(text: &str, at: usize) -> bool {
 fn offset(text: &str, position: &Value) -> Result<usize> {
     let line = position["line"].as_u64().context("no line")? as usize;
     let character = position["character"].as_u64().context("no character")? as usize;
-    let starts = std::iter::once(0).chain(text.match_indices('\n').map(|pair| pair.0 + 1));
+    let starts = std::iter::once(0).chain(text.match_indices('\n').map(|(end, _)| end + 1));
     let start = starts.clone().nth(line).unwrap_or(text.len());
     Ok((start + character).min(text.len()))
 }

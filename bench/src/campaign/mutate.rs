@@ -22,7 +22,7 @@ pub(super) fn mutate(text: &str, random: &mut fastrand::Rng) -> Option<(String, 
             (token.start..next.end, new, what)
         }
         3 => {
-            let quotes: Vec<_> = text.match_indices('"').map(|pair| pair.0).collect();
+            let quotes: Vec<_> = text.match_indices('"').map(|(at, _)| at).collect();
             let at = *random.choice(&quotes)?;
             let line = text[..at].matches('\n').count() + 1;
             let new = text[..at].to_owned() + &text[at + 1..];

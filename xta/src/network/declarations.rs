@@ -215,7 +215,7 @@ fn priority(program: &mut Program, target: &Target<'_>, levels: &[Vec<Option<Exp
             let first = (found.place.offset & !CONSTANT) as usize;
             let indices =
                 program.constants.get(first..first + found.ty.size() as usize).unwrap_or(&[]);
-            set.extend(indices.iter().map(|index| (*index as usize, level as i32 - default)));
+            set.extend(indices.iter().map(|channel| (*channel as usize, level as i32 - default)));
         }
     }
     for (channel, priority) in set {
