@@ -507,7 +507,7 @@ impl TimedSystem {
                 }
             }
         }
-        for (service, _) in self.services.iter().zip(&requested).filter(|pair| *pair.1) {
+        for (service, _) in self.services.iter().zip(&requested).filter(|(_, asked)| **asked) {
             let own = service.validate.iter().chain(&service.simple);
             own.for_each(|&validate| out[validate] = true);
         }

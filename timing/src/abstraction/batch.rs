@@ -273,7 +273,7 @@ fn turn(model: &Model, thread: usize, from: usize) -> Option<Turn> {
         for successor in &place.then {
             match *successor {
                 Successor::Goes(next) => todo.push((next, until)),
-                Successor::Rests(next) if then.is_none_or(|index| index == next) => {
+                Successor::Rests(next) if then.is_none_or(|then| then == next) => {
                     then = Some(next);
                     work = until.max(work);
                 }

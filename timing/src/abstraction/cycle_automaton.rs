@@ -302,7 +302,7 @@ impl Builder<'_> {
             return vec![self.number((at.to_vec(), None))];
         }
         let all = next.into_iter().map(|position| (at.to_vec(), Some(position)));
-        all.collect::<Vec<_>>().into_iter().map(|pair| self.number(pair)).collect()
+        all.collect::<Vec<_>>().into_iter().map(|state| self.number(state)).collect()
     }
 
     /// Returns the possible beginnings of a pass. Only the first pass of a cycle begins and resumes

@@ -20,7 +20,7 @@ pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) 
         for &task in &component.tasks {
             let number = threads.iter().position(|thread| thread.task == task);
             if let Some(number) = number {
-                let others = earlier.iter().filter(|pair| !pair.1).map(|pair| pair.0.clone());
+                let others = earlier.iter().filter(|(_, on)| !on).map(|(one, _)| one.clone());
                 let thread = &mut threads[number];
                 thread.early = interference(system, &others.collect::<Vec<_>>());
                 thread.start = start;
@@ -35,7 +35,7 @@ pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) 
                     && (start.after)
                         .is_some_and(|span| first_tick.is_none_or(|tick| span.to < tick));
                 let has_core = enough || alone || !system.needs_core(task);
-                let others = earlier.iter().map(|pair| pair.0.clone());
+                let others = earlier.iter().map(|(other, _)| other.clone());
                 start = start.then(first_pass(system, task, &others.collect::<Vec<_>>(), has_core));
             }
             let mut codels = CodelSet::default();

@@ -79,7 +79,7 @@ pub(super) fn interference(system: &TimedSystem, others: &[OtherThread]) -> Opti
     }
     for (number, thread) in others.iter().enumerate() {
         let awaited = |codel: CodelId| {
-            let mut rest = others.iter().enumerate().filter(|pair| pair.0 != number);
+            let mut rest = others.iter().enumerate().filter(|(other, _)| *other != number);
             let mut one = CodelSet::default();
             one.insert(codel);
             rest.any(|(_, other)| waits(system, &other.codels, &one))

@@ -98,12 +98,12 @@ impl State {
     }
 
     pub(super) fn all(&self, stage: Stage) -> impl Iterator<Item = usize> + '_ {
-        (0..self.done.len()).filter(move |&index| self.is(index, stage))
+        (0..self.done.len()).filter(move |&thread| self.is(thread, stage))
     }
 
     /// Returns the threads that have been started and have work left.
     fn live(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.done.len()).filter(|&index| self.done[index].stage.is_live())
+        (0..self.done.len()).filter(|&thread| self.done[thread].stage.is_live())
     }
 
     /// Widens the intervals to contain those of another state with the same key. Returns true if they already
@@ -132,7 +132,7 @@ impl State {
 
     /// Clears irrelevant data, and counts times from the hyperperiod in which the oldest job was released.
     pub(super) fn normalise(&mut self, model: &Model) {
-        let Some(now) = self.live().map(|index| self.when[index].ready.from).min() else {
+        let Some(now) = self.live().map(|thread| self.when[thread].ready.from).min() else {
             return;
         };
         // No core is granted before some task is ready.

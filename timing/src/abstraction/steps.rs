@@ -24,7 +24,7 @@ impl Model<'_> {
         }
         // Next step of all, in the order of time: no other step comes earlier.
         let active = s.all(Stage::Active).map(|thread| self.latest(s, thread));
-        let ticks = s.all(Stage::Idle).map(|index| s.when[index].ready.to);
+        let ticks = s.all(Stage::Idle).map(|thread| s.when[thread].ready.to);
         let until = active.chain(ticks).min().unwrap_or(i64::MAX);
         let given = self.next_core_grant(s).unwrap_or(i64::MAX).min(until);
         // A tick that comes at a known time is decided first, because the decision changes nothing before it.
@@ -84,7 +84,7 @@ impl Model<'_> {
                 *group = i64::MAX;
             }
         }
-        let (group, &until) = until.iter().enumerate().min_by_key(|pair| pair.1)?;
+        let (group, &until) = until.iter().enumerate().min_by_key(|(_, until)| *until)?;
         (until != i64::MAX).then_some((group, until))
     }
 
@@ -211,7 +211,7 @@ impl Model<'_> {
     /// Returns the latest time of the next grant of a core, if a task waits for one and a core is known to be
     /// free by then.
     fn next_core_grant(&self, s: &State) -> Option<i64> {
-        let released = s.all(Stage::Waiting).map(|index| s.when[index].ready.to).min()?;
+        let released = s.all(Stage::Waiting).map(|thread| s.when[thread].ready.to).min()?;
         // Other threads may hold the cores that are free first.
         Some(released.max(*s.free_to.get(self.lent)?))
     }

@@ -152,7 +152,7 @@ fn candidates(trial: &Trial, missed: &[&CheckReport]) -> Vec<Candidate> {
     let executed = system.executed();
     let mut codels: Vec<_> = (system.codels.iter().zip(executed))
         .filter(|(codel, executed)| *executed && codel.site.is_some() && codel.upper != FOREVER)
-        .map(|pair| pair.0)
+        .map(|(codel, _)| codel)
         .collect();
     codels.sort_by_key(|codel| std::cmp::Reverse(codel.upper));
     let of_system = |path: &CodelName| codels.iter().any(|codel| codel.path == *path);

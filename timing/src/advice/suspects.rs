@@ -28,7 +28,7 @@ pub(super) fn suspects(check: &CheckReport) -> Vec<CodelName> {
         all.extend(executed(check.run(), task, job, f64::INFINITY));
     }
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
-    distinct(all.into_iter().map(|pair| pair.1))
+    distinct(all.into_iter().map(|(_, suspect)| suspect))
 }
 
 /// Returns pairs of codels, of which the first waited for a lock held by the second.

@@ -177,7 +177,7 @@ impl<'t> Trial<'t> {
         let parts =
             (1..OFFSETS).map(|offset| u64::from(period) * u64::from(offset) / u64::from(OFFSETS));
         let mut parts: Vec<Ticks> = parts.filter_map(|ticks| Ticks::try_from(ticks).ok()).collect();
-        parts.retain(|&index| index > now);
+        parts.retain(|&delay| delay > now);
         parts.dedup();
         let with = |ticks: &Ticks| {
             let delay = (Path::of(&path), self.seconds(*ticks));

@@ -113,19 +113,19 @@ impl<'r> Focus<'r> {
             // has it delays that.
             let places = chain.writes.iter().flatten().copied().filter(|&place| marked(place));
             let oldest = places.max_by_key(|&place| self.distance(place)).unwrap_or(last);
-            let writers = chain.writes.iter_enumerated().filter(|pair| pair.1.contains(&oldest));
-            return self.of_codel(writers.map(|pair| pair.0).next(), s);
+            let writers = chain.writes.iter_enumerated().filter(|(_, all)| all.contains(&oldest));
+            return self.of_codel(writers.map(|(codel, _)| codel).next(), s);
         }
         let carriers = (0..token.executors)
             .filter(|&executor| is_set(s, token.marked_executor(executor)))
             .filter_map(|executor| Some((executor, rules.codel_and_holder(s, executor)?.0)));
-        if let Some((executor, codel)) = carriers.min_by_key(|pair| self.after[pair.1]) {
+        if let Some((executor, codel)) = carriers.min_by_key(|(_, codel)| self.after[*codel]) {
             return work_of(rules, s, executor, codel);
         }
         let readers = chain.reads.iter_enumerated().filter(|(codel, reads)| {
             chain.carries[*codel] && reads.iter().any(|&place| marked(place))
         });
-        self.of_codel(readers.map(|pair| pair.0).min_by_key(|&codel| self.after[codel]), s)
+        self.of_codel(readers.map(|(codel, _)| codel).min_by_key(|&codel| self.after[codel]), s)
     }
 
     /// Returns the number of codels from a place to the last datum; 0 if there is no path.
@@ -137,7 +137,7 @@ impl<'r> Focus<'r> {
         let readers = chain.reads.iter_enumerated();
         let readers =
             readers.filter(|(codel, reads)| chain.carries[*codel] && reads.contains(&place));
-        let nearest = readers.map(|pair| self.after[pair.0]).min();
+        let nearest = readers.map(|(codel, _)| self.after[codel]).min();
         nearest.and_then(|after| after.checked_add(1)).unwrap_or(0)
     }
 
@@ -159,7 +159,7 @@ fn codels_after(chain: &Chain) -> TiVec<CodelId, usize> {
                     let readers = chain.reads.iter_enumerated();
                     let readers = readers
                         .filter(|(reader, reads)| chain.carries[*reader] && reads.contains(&place));
-                    readers.map(|pair| before[pair.0].saturating_add(1)).min()
+                    readers.map(|(codel, _)| before[codel].saturating_add(1)).min()
                 }
             };
             after[codel] = writes.iter().filter_map(from).min().unwrap_or(usize::MAX);

@@ -113,7 +113,7 @@ impl Run {
         for round in 1..=rounds {
             let shift = round * (to - from);
             let again = within(from, to).map(|(time, action)| (time + shift, action));
-            run.steps.extend(again.filter(|pair| pair.0 < end));
+            run.steps.extend(again.filter(|(time, _)| *time < end));
             if run.steps.len() > MAX_STEPS_OF_REPETITION {
                 return None;
             }

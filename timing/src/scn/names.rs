@@ -159,7 +159,7 @@ impl<'a> Names<'a> {
         let path = if let Target::Member(_, _, path) = target { path } else { &Vec::new() };
         let Member { spec, component, .. } = self.components[c];
         path.iter().try_fold(component.ports[p].data, |ty, name| {
-            members(spec, ty).find(|(member, _)| member == name).map(|pair| pair.1)
+            members(spec, ty).find(|(member, _)| member == name).map(|(_, ty)| ty)
         })
     }
 

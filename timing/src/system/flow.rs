@@ -83,8 +83,8 @@ pub(crate) fn chain(
         return Err(no_path_diagnostic(asked));
     }
     for usage in &mut uses {
-        usage.reads.retain(|pair| relevant.contains(pair));
-        usage.writes.retain(|pair| relevant.contains(pair));
+        usage.reads.retain(|key| relevant.contains(key));
+        usage.writes.retain(|key| relevant.contains(key));
     }
     let (ways, more) = ways(&uses, &ends);
     let mut shared: BTreeMap<&Key, usize> = BTreeMap::new();
@@ -102,7 +102,7 @@ pub(crate) fn chain(
             let list = local.get(&(*c, *s))?;
             Some(DataPlace::Local(list.iter().position(|local| *local == key)?))
         }
-        _ => shared.get(key).map(|&index| DataPlace::Shared(index)),
+        _ => shared.get(key).map(|&number| DataPlace::Shared(number)),
     };
     let places = |list: &BTreeSet<Key>| list.iter().filter_map(place).collect();
     let number = |key: &Key| shared.get(key).copied().unwrap_or(0);
@@ -162,7 +162,7 @@ impl Flow<'_> {
             [] => Ok((c, p)),
             [one] => Ok(*one),
             several => {
-                let several = several.iter().map(|&pair| format!("`{}`", self.port(pair)));
+                let several = several.iter().map(|&output| format!("`{}`", self.port(output)));
                 let message = format!(
                     "`{}` is connected to several outputs; name one of them: {}",
                     path.text(),
@@ -196,7 +196,7 @@ impl Flow<'_> {
             self.named(id)
         };
         let all: TiVec<CodelId, Vec<(ParamDir, Key)>> = live.keys().map(named).collect();
-        let mut keys: BTreeSet<&Key> = all.iter().flatten().map(|pair| &pair.1).collect();
+        let mut keys: BTreeSet<&Key> = all.iter().flatten().map(|(_, key)| key).collect();
         // A chain begins and ends with all of the data of a port.
         let whole: Vec<Key> = (keys.iter())
             .filter(|key| matches!(key.0, Root::Port(..)))
@@ -401,7 +401,7 @@ fn ways(
         for next in uses.keys().rev() {
             let goes_on = uses[next].carries
                 && !way.contains(&next)
-                && uses[at].writes.intersection(&uses[next].reads).any(|pair| pair != first);
+                && uses[at].writes.intersection(&uses[next].reads).any(|key| key != first);
             if goes_on {
                 open.push(way.iter().copied().chain([next]).collect());
             }

@@ -32,7 +32,7 @@ impl Client {
             steps: (0..=most)
                 .flat_map(|round| self.steps.iter().map(move |own| step(round, own)))
                 .collect(),
-            first: self.first.iter().map(|&index| at(0, index)).collect(),
+            first: self.first.iter().map(|&step| at(0, step)).collect(),
             ..self.clone()
         }
         .reached()
@@ -48,8 +48,8 @@ impl Client {
             }
         }
         let before = |at: usize| reached[..at].iter().filter(|&&flag| flag).count();
-        let renumbered = |list: &[usize]| list.iter().map(|&index| before(index)).collect();
-        let steps = self.steps.iter().zip(&reached).filter(|pair| *pair.1);
+        let renumbered = |list: &[usize]| list.iter().map(|&step| before(step)).collect();
+        let steps = self.steps.iter().zip(&reached).filter(|(_, reached)| **reached);
         Client {
             steps: steps
                 .map(|(step, _)| ClientStep { next: renumbered(&step.next), ..step.clone() })

@@ -307,7 +307,7 @@ impl Group<'_> {
         let absent = |atom: &Atom| found.absent.has(atom);
         let needed = [Some(monitor.kind.opening()), monitor.kind.closing()];
         let mut needed = needed.into_iter().flatten();
-        let never = needed.find(|&index| monitor.predicates[index].is_never(&absent))?;
+        let never = needed.find(|&needed| monitor.predicates[needed].is_never(&absent))?;
         Some(format!("`{}` never becomes true", pattern.predicates[never].text()))
     }
 

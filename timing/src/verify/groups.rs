@@ -55,12 +55,12 @@ pub(super) fn groups(names: &Names, whole: &Built, checks: &[Single]) -> Vec<Vec
     for check in checks {
         check.components.windows(2).for_each(|window| join(window[0], window[1]));
         if matches!(check.what, What::Deadlock) {
-            (1..n).for_each(|index| join(0, index));
+            (1..n).for_each(|other| join(0, other));
         }
     }
     let mut out: Vec<Vec<usize>> = Vec::new();
     for root in 0..n {
-        let members: Vec<usize> = (0..n).filter(|&index| group[index] == root).collect();
+        let members: Vec<usize> = (0..n).filter(|&member| group[member] == root).collect();
         if !members.is_empty() {
             out.push(members);
         }

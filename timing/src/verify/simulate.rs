@@ -74,7 +74,7 @@ impl SystemRun {
         });
         Simulation {
             choices: choices.collect(),
-            taken: continued.before.iter().map(|&index| ends[index]).collect(),
+            taken: continued.before.iter().map(|&before| ends[before]).collect(),
             end: time(continued.run.end),
             events,
         }

@@ -47,7 +47,7 @@ impl Group<'_> {
             let mut task = |list: fn(&mut Watch) -> &mut Vec<TaskId>, of| {
                 let task = self.built.tasks[&of];
                 let list = list(&mut watch);
-                list.iter().position(|&index| index == task).unwrap_or_else(|| {
+                list.iter().position(|&other| other == task).unwrap_or_else(|| {
                     list.push(task);
                     list.len() - 1
                 })

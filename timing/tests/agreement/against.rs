@@ -192,7 +192,7 @@ fn exceeded(
     let answer = |kind: &str, task: usize, what: &str| {
         let of = format!("{kind} {}", system.task_path(TaskId::from(task)));
         let expected = expected.iter().find(|entry| entry.0 == of);
-        expected.map_or(Json::Null, |pair| pair.1[what].clone())
+        expected.map_or(Json::Null, |(_, json)| json[what].clone())
     };
     let mut wrong = Vec::new();
     for (task, bound) in bounds.iter().enumerate() {

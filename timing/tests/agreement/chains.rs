@@ -47,7 +47,7 @@ fn adds_up(spans: &[Span], end: u64, limit: Option<u32>) -> Result<(), &'static 
     if spans.last().map(|span| span.until) != Some(end) {
         return Err("the intervals do not end with the run");
     }
-    if spans.windows(2).any(|pair| pair[0].until != pair[1].from) {
+    if spans.windows(2).any(|two| two[0].until != two[1].from) {
         return Err("the intervals have a gap");
     }
     match limit {

@@ -99,7 +99,7 @@ pub(crate) fn excluded(seed: u64, system: &TimedSystem) -> Vec<Predicate> {
     };
     let random = (0..PAIRS).map(|_| pair(&mut dice));
     let pairs = waiting_pairs(system).into_iter().take(PAIRS).chain(random);
-    pairs.filter(|pair| never_holds(system, pair)).collect()
+    pairs.filter(|both| never_holds(system, both)).collect()
 }
 
 fn compare(seed: u64, system: &TimedSystem) -> Option<Result<(), String>> {

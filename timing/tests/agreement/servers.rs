@@ -124,7 +124,7 @@ impl<'s> Interpreter<'s> {
             }
         }
         for (longest, open) in out.within.iter_mut().zip(&s.obligations) {
-            *longest = (*longest).max(open.iter().map(|pair| pair.1).max());
+            *longest = (*longest).max(open.iter().map(|(_, age)| *age).max());
         }
     }
 

@@ -365,7 +365,7 @@ impl AmpleState<'_, '_> {
                 let state = l.at(self.s, a) as usize;
                 let later = self.facts.later[automaton][state]
                     .iter()
-                    .any(|index| conflicts.contains(index));
+                    .any(|codel| conflicts.contains(codel));
                 match l.phase(self.s, a) {
                     phase::EXECUTING if !later || l.window(self.s, a).0 > 0 => Rivalry::None,
                     phase::LOCKING => {

@@ -104,7 +104,7 @@ impl Rules<'_> {
         let mut chosen: Vec<usize> = Vec::new();
         for &executor in order {
             let tied = core(executor);
-            let taken = tied.is_some() && chosen.iter().any(|&index| core(index) == tied);
+            let taken = tied.is_some() && chosen.iter().any(|&other| core(other) == tied);
             if chosen.len() < cores && !taken {
                 chosen.push(executor);
             }

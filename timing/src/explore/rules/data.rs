@@ -140,7 +140,7 @@ impl Rules<'_> {
         if token.chain.locals == 0 || token.status(s) != status::ALIVE {
             return;
         }
-        let free = (0..self.places()).filter(|&index| self.activity(s, index).is_none());
+        let free = (0..self.places()).filter(|&place| self.activity(s, place).is_none());
         let handled = (self.system().components.keys())
             .filter(|&component| self.handling(s, component).is_none())
             .map(|component| self.holder_of_request(component));

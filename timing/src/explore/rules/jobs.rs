@@ -67,8 +67,8 @@ impl Rules<'_> {
     fn next_turn(&self, s: &State, task: usize, from: usize) -> Option<usize> {
         let l = &self.layout;
         let slots = l.slots(task);
-        (from..slots.len()).find(|&index| {
-            let slot = slots[index];
+        (from..slots.len()).find(|&number| {
+            let slot = slots[number];
             let can_run = match self.system.automata[l.automaton_numbered(slot)].service {
                 None => l.mode(s, slot) == permanent::NORMAL,
                 Some(_) => matches!(l.activity(s, slot), slot::RUN | slot::STOP),

@@ -173,7 +173,7 @@ impl Layout {
     #[inline]
     pub(crate) fn turn(&self, s: &State, task: usize) -> Option<usize> {
         let turn = self.turn_number(s, task) as usize;
-        turn.checked_sub(1).map(|index| self.slots[task][index])
+        turn.checked_sub(1).map(|place| self.slots[task][place])
     }
 
     /// Returns the automaton of a slot; `None` for a permanent activity without codels, or a free slot.

@@ -133,7 +133,7 @@ impl Rules<'_> {
             self.make_runnable(s, task);
             let mut others = self.system.components[component].tasks.iter();
             if others
-                .any(|&index| index != TaskId::from(task) && !self.is_periodic(usize::from(index)))
+                .any(|&other| other != TaskId::from(task) && !self.is_periodic(usize::from(other)))
             {
                 l.raise(s, task, flag::WAKE);
             }

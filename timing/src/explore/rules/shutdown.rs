@@ -165,7 +165,7 @@ impl Rules<'_> {
     fn activities(&self, s: &State, task: usize) -> impl Iterator<Item = (usize, u16)> {
         let l = &self.layout;
         let all = l.slots(task).iter().map(|&slot| (slot, l.mode(s, slot)));
-        all.filter(|pair| pair.1 & slot::PERMANENT == 0)
+        all.filter(|(_, mode)| mode & slot::PERMANENT == 0)
     }
 
     /// Returns true if the shutdown of a component can proceed.

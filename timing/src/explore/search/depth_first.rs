@@ -64,7 +64,7 @@ impl Order {
     fn sort_actions(&mut self, list: &mut [(Action, SleepSet)], kept: impl Fn(Action) -> bool) {
         if self.steady {
             let dice = self.dice;
-            list.sort_by_cached_key(|pair| (!kept(pair.0), FxBuildHasher.hash_one((dice, pair.0))));
+            list.sort_by_cached_key(|&(a, _)| (!kept(a), FxBuildHasher.hash_one((dice, a))));
             return;
         }
         let Some(dice) = &mut self.dice else { return };

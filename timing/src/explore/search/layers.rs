@@ -319,8 +319,8 @@ impl<'a> Layers<'a> {
         if layer.count() > room / SOURCE_BYTES {
             return FxHashSet::default();
         }
-        for key in (0..layer.len() as u32).filter(|&index| self.layer.calm[index as usize]) {
-            let covers = layer.covers(key).filter(|pair| !self.ends_now(pair.0));
+        for key in (0..layer.len() as u32).filter(|&key| self.layer.calm[key as usize]) {
+            let covers = layer.covers(key).filter(|(dims, _)| !self.ends_now(dims));
             sources.extend(covers.map(|(dims, tag)| (dims.len(), key, dims, tag)));
         }
         sources.sort_by_key(|source| std::cmp::Reverse(source.0));

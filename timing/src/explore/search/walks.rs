@@ -248,7 +248,7 @@ impl Walks<'_> {
         let count = before.count();
         let mut best = longest.value;
         for back in VARIED_JOBS {
-            let Some(position) = count.checked_sub(back).map(|index| &releases[index]) else {
+            let Some(position) = count.checked_sub(back).map(|place| &releases[place]) else {
                 return;
             };
             let length = (longest.at.parent - position.steps) as u64 * 3 + 10;

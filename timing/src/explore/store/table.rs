@@ -34,7 +34,7 @@ impl Table {
 
     /// Returns the number with this hash for which `is` returns true.
     pub(super) fn find(&self, hash: u64, mut is: impl FnMut(u32) -> bool) -> Option<u32> {
-        self.parts[self.part(hash)].find(hash, |&index| is(index)).copied()
+        self.parts[self.part(hash)].find(hash, |&number| is(number)).copied()
     }
 
     /// Adds a number that is not in the table. `hash_of` returns the hash of a number in the table.

@@ -138,7 +138,7 @@ impl<'f> Finder<'f> {
             }
             return true;
         }
-        let path = self.written(rest).map(|pair| pair.1).unwrap_or_default();
+        let path = self.written(rest).map(|(_, path)| path).unwrap_or_default();
         if path.names.is_empty() {
             for (label, target) in self.names.after(None) {
                 self.push(label, &target);

@@ -29,7 +29,7 @@ impl<'t> Parser<'t> {
 
     /// Returns the end of the previous token.
     pub(super) fn end(&self) -> usize {
-        self.at.checked_sub(1).map_or(0, |index| self.tokens[index].range.end)
+        self.at.checked_sub(1).map_or(0, |before| self.tokens[before].range.end)
     }
 
     pub(super) fn eat(&mut self, kind: Kind) -> bool {

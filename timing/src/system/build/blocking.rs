@@ -54,7 +54,7 @@ impl Builder<'_> {
             }
         }
         let live = live_codels(&self.out).into_iter_enumerated();
-        live.filter(|pair| pair.1)
+        live.filter(|(_, live)| *live)
             .map(|(codel, _)| RunnableCodel {
                 codel,
                 component: system.codels[codel].component,

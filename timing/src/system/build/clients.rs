@@ -224,7 +224,7 @@ impl Builder<'_> {
         let mut can = ti_vec![false; system.services.len()];
         let after = |service: ServiceId, can: &TiSlice<ServiceId, bool>| {
             let mut all = system.services[service].after.iter();
-            all.all(|&index| can[index])
+            all.all(|&earlier| can[earlier])
         };
         while let Some(new) = (can.keys())
             .find(|&index: &ServiceId| requested[index] && !can[index] && after(index, &can))

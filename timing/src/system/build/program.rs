@@ -157,7 +157,7 @@ impl Program<'_> {
     ) -> ClientAction {
         let trackers = |follows: &dyn Fn(&TrackedRequest) -> bool| {
             let all = self.trackers.iter().enumerate();
-            all.filter(|pair| follows(pair.1)).map(|pair| pair.0).collect()
+            all.filter(|(_, tracked)| follows(tracked)).map(|(at, _)| at).collect()
         };
         ClientAction::Send {
             service,
@@ -294,7 +294,7 @@ impl Program<'_> {
         }
         for step in &mut self.steps {
             if step.next.contains(&beginning) {
-                step.next.retain(|&index| index != beginning);
+                step.next.retain(|&next| next != beginning);
                 step.next.extend(&first);
             }
         }

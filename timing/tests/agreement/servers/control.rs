@@ -15,7 +15,7 @@ impl Interpreter<'_> {
         let model = &self.system.components[c].services[service];
         let awaits = self.system.clients[client].awaits;
         let tracked = &mut s.clients[client].tracked;
-        tracked.retain(|triple| (triple.0, triple.1) != (c, service));
+        tracked.retain(|&(d, other, _)| (d, other) != (c, service));
         if awaits {
             tracked.push((c, service, Tracked::Handled));
         }
@@ -155,9 +155,9 @@ impl Interpreter<'_> {
             // Only the last one of the finished requests can still be awaited.
             let last = client.tracked.len().saturating_sub(1);
             let mut at = 0;
-            client.tracked.retain(|triple| {
+            client.tracked.retain(|(.., tracked)| {
                 at += 1;
-                triple.2 != Tracked::Over(true) || at > last
+                *tracked != Tracked::Over(true) || at > last
             });
         }
         for t in 0..s.components[c].tasks.len() {
@@ -177,7 +177,7 @@ impl Interpreter<'_> {
                     let slot = s.components[c].tasks[task].slots[other].as_ref();
                     slot.map(|slot| slot.status)
                 };
-                let at_work = |pair| matches!(status(pair), Some(Status::Run | Status::Stop));
+                let at_work = |place| matches!(status(place), Some(Status::Run | Status::Stop));
                 if others.iter().any(at_work) {
                     continue;
                 }

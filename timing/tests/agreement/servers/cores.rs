@@ -116,8 +116,8 @@ impl Interpreter<'_> {
     pub(super) fn no_more_ready(&self, s: &mut State) {
         if self.preempts() {
             let ready = self.all_ready(s);
-            s.ready.retain(|pair| ready.contains(pair));
-            s.on.retain(|pair| ready.contains(pair));
+            s.ready.retain(|thread| ready.contains(thread));
+            s.on.retain(|thread| ready.contains(thread));
             // The order in which threads of different priorities became ready is irrelevant.
             s.ready.sort_by_key(|&(c, who)| self.system.priority(c, who));
         }

@@ -270,7 +270,7 @@ impl Reader<'_> {
         let input = format!("{name}.{}", port.name);
         let mut stated = self.connect.iter().filter(|entry| entry.0 == input).peekable();
         if stated.peek().is_some() {
-            let outputs = stated.filter_map(|pair| pair.1.as_ref()?.split_once('.'));
+            let outputs = stated.filter_map(|(_, output)| output.as_ref()?.split_once('.'));
             return outputs.map(|output| (output.0.to_owned(), output.1.to_owned())).collect();
         }
         // An output of the same name.
@@ -329,7 +329,7 @@ impl Reader<'_> {
         let mut machine = |owner: Owner, throws: bool| {
             let list: Vec<(u32, &model::Codel)> = (0..).zip(component.codels_of(owner)).collect();
             let mut names: Vec<(&str, u32)> = Vec::new();
-            for &(index, codel) in list.iter().filter(|pair| pair.1.kind == CodelKind::Fsm) {
+            for &(index, codel) in list.iter().filter(|(_, codel)| codel.kind == CodelKind::Fsm) {
                 names.extend(codel.triggers.iter().map(|trigger| (trigger.name.as_str(), index)));
             }
             let find = |name: &str| names.iter().position(|candidate| candidate.0 == name);
@@ -377,7 +377,7 @@ impl Reader<'_> {
             let owner = Owner::Service(s);
             let of_kind = |kind: CodelKind| {
                 let all = (0..).zip(&service.codels);
-                all.filter(move |pair| pair.1.kind == kind)
+                all.filter(move |(_, codel)| codel.kind == kind)
             };
             let mut control: Vec<ControlCodel> = Vec::new();
             for (index, found) in of_kind(CodelKind::Validate) {
@@ -424,7 +424,7 @@ impl Reader<'_> {
                     (task, component.codel(at).name.to_string())
                 });
                 let params = &component.services[s].params;
-                let copied = || (0..).zip(params).filter(|pair| pair.1.dir != model::ParamDir::Out);
+                let copied = || (0..).zip(params).filter(|(_, of)| of.dir != model::ParamDir::Out);
                 copy.codel = codels.len();
                 codels.push(Codel {
                     lower: 0,

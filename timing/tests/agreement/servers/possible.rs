@@ -164,7 +164,7 @@ impl Interpreter<'_> {
                     // Outcome of a request. Without a request, the outcome counts as success.
                     let end = |of: Option<(usize, usize)>| {
                         let mut asked = entry.tracked.iter().rev();
-                        match asked.find(|triple| of.is_none_or(|of| of == (triple.0, triple.1))) {
+                        match asked.find(|&&(d, s, _)| of.is_none_or(|of| of == (d, s))) {
                             None => Some(true),
                             Some(&(.., Tracked::Over(succeeded))) => Some(succeeded),
                             Some(_) => None,
@@ -180,9 +180,7 @@ impl Interpreter<'_> {
                                     && end(of) == Some(succeeds)
                                 {
                                     let next = client.reach(&client.nodes[node].next);
-                                    out.extend(
-                                        next.into_iter().map(|index| Step::Proceed(k, index)),
-                                    );
+                                    out.extend(next.into_iter().map(|next| Step::Proceed(k, next)));
                                 }
                             }
                             false
@@ -274,7 +272,7 @@ impl Interpreter<'_> {
         };
         let others =
             (0..s.components.len()).flat_map(|d| s.everybody(d).map(move |thread| (d, thread)));
-        let mut others = others.filter(|pair| *pair != (c, who));
+        let mut others = others.filter(|other| *other != (c, who));
         turn && others.all(|(d, other)| {
             let executing = matches!(s.doing(d, other), Some(Doing::Executing(_)));
             !executing || !waits_for(d, other)

@@ -137,7 +137,7 @@ fn fact(system: &System, path: &Path) -> (Fact, bool) {
     let model = &component.services[s];
     let named = |name: &str| {
         let mut all = 0..model.control.len();
-        all.find(|&index| model.control[index].name.as_deref() == Some(name))
+        all.find(|&codel| model.control[codel].name.as_deref() == Some(name))
     };
     if let Some(codel) = named(word(2)) {
         return (Fact::Control(c, s, vec![codel], at(word(3))), true);
@@ -258,7 +258,7 @@ impl Interpreter<'_> {
                 _ => false,
             },
             &Fact::Busy(c) => s.components[c].control != Control::Ready,
-            Fact::Client(k, nodes) => s.clients[*k].at.is_some_and(|index| nodes.contains(&index)),
+            Fact::Client(k, nodes) => s.clients[*k].at.is_some_and(|node| nodes.contains(&node)),
         }
     }
 }

@@ -146,8 +146,8 @@ impl LazyMembers {
             }
         }
         let not_lazy: Vec<usize> =
-            (0..n).filter(|&index| !lazy[index]).map(|index| group[index]).collect();
-        let members: Vec<bool> = (0..n).map(|index| !not_lazy.contains(&group[index])).collect();
+            (0..n).filter(|&part| !lazy[part]).map(|part| group[part]).collect();
+        let members: Vec<bool> = (0..n).map(|part| !not_lazy.contains(&group[part])).collect();
         rest.retain(|&(a, _)| members[usize::from(system.automata[a].task)]);
         // The end of start-up lets the control task begin, so the group of the control task must be lazy as
         // well.
@@ -155,7 +155,7 @@ impl LazyMembers {
             let control = control(system.tasks[TaskId::from(task)].component);
             let mut resting =
                 rest.iter().map(|&(a, _)| group[usize::from(system.automata[a].task)]);
-            members[control] && resting.all(|index| index != group[control])
+            members[control] && resting.all(|group_of| group_of != group[control])
         };
         LazyMembers {
             starts: (0..system.tasks.len())

@@ -138,7 +138,7 @@ fn lazy_groups(system: &TimedSystem, asked: &Watched) -> (Vec<bool>, Vec<(usize,
     let clients = addressed.iter();
     out.extend(clients.map(|client| client.iter().all(|&client| of_group[client])));
     let resting = (resting.into_iter())
-        .filter(|triple| of_group[triple.0])
+        .filter(|(component, ..)| of_group[*component])
         .map(|(_, task, place)| (task, place))
         .collect();
     (out, resting)

@@ -95,11 +95,11 @@ fn always_same_visits(machine: &Machine, place: usize) -> bool {
                 Yield::Next(next) => Some(next),
                 _ => None,
             });
-        let allowed: Vec<usize> = yields.clone().filter(|&index| visits[index] < limit).collect();
+        let allowed: Vec<usize> = yields.clone().filter(|&next| visits[next] < limit).collect();
         if allowed.is_empty() && machine.rounds {
-            stack.extend(yields.filter(|&index| index != state).map(|index| enter(&fresh, index)));
+            stack.extend(yields.filter(|&next| next != state).map(|next| enter(&fresh, next)));
         } else {
-            stack.extend(allowed.into_iter().map(|index| enter(&visits, index)));
+            stack.extend(allowed.into_iter().map(|next| enter(&visits, next)));
         }
     }
     true

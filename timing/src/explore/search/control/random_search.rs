@@ -242,8 +242,8 @@ impl<'a> SearchControl<'a> {
             if any {
                 random_search.report_at.get_or_insert(layers.steps + MAX_STEPS_FOR_EARLIER_END);
             }
-            let mut missed = layers.observations.goals.missed();
-            if watch.stop_at_first && missed.any(|pair| random_search.found_run[pair.0].is_some()) {
+            let mut missed = layers.observations.goals.missed().map(|(goal, _)| goal);
+            if watch.stop_at_first && missed.any(|goal| random_search.found_run[goal].is_some()) {
                 layers.stopped = Some(Stop::Answered);
                 return;
             }

@@ -163,7 +163,7 @@ impl Layers<'_> {
                 return None;
             }
             let s = found[at].0.clone();
-            let before = found.get(found[at].1).map(|triple| triple.0.clone());
+            let before = found.get(found[at].1).map(|(before, ..)| before.clone());
             self.observations.rules.enabled(&s, &mut enabled);
             if self.is_goal(before.as_ref(), &s, &enabled, goal) {
                 let mut actions = Vec::new();
