@@ -30,7 +30,7 @@ pub(crate) fn elaborated<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Elabor
 pub(crate) fn elaborate<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Elaborated {
     let visits = &visits(db, unit).visits;
     let roots: Vec<u32> = (0..visits.len() as u32)
-        .filter(|&index| visits[index as usize].includer.is_none())
+        .filter(|&visit| visits[visit as usize].includer.is_none())
         .collect();
     let wrapper = ItemTree {
         items: (0..roots.len() as u32)

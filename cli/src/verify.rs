@@ -150,7 +150,7 @@ struct Answer {
 }
 
 fn threads(text: &str) -> Result<usize, String> {
-    let threads = text.parse().ok().filter(|&index| index > 0);
+    let threads = text.parse().ok().filter(|&threads| threads > 0);
     threads.ok_or_else(|| "give a number of threads from 1 on".to_owned())
 }
 

@@ -291,8 +291,7 @@ fn fleet(components: usize) -> Graph {
         graph.nodes.push(node(own.clone(), Shape::Card));
         graph.nodes.push(node(port.clone(), Shape::Octagon));
         graph.edges.push(edge(own, port.clone()));
-        for reader in [component + 1, component + 7].into_iter().filter(|&index| index < components)
-        {
+        for reader in [component + 1, component + 7].into_iter().filter(|&to| to < components) {
             graph.edges.push(edge(port.clone(), format!("component{reader}")));
         }
     }

@@ -276,8 +276,8 @@ impl<'s> Replay<'s> {
     /// Returns the executor that ends with a step, if it executes the work of the step.
     fn ends(&self, step: &Step) -> Option<usize> {
         let ends = matches!(step.rule, Rule::End | Rule::Delay);
-        let mut executing = (0..self.stepper.executors())
-            .filter(|&index| ends && self.stepper.window(index).is_some());
+        let mut executing =
+            (0..self.stepper.executors()).filter(|&at| ends && self.stepper.window(at).is_some());
         executing.find(|&executor| {
             let end = self.end_of(executor);
             (end.rule, &end.of, &end.what) == (step.rule, &step.of, &step.what)

@@ -44,7 +44,7 @@ fn fixture(code: &str) -> Option<(String, String)> {
     let path = workspace_root().join(format!("analysis/tests/data/codes/{code}.gen"));
     let text = std::fs::read_to_string(path).ok()?;
     let (bad, good) = text.split_once("// near miss\n")?;
-    let good = good.split_once("// corrected\n").map_or(good, |pair| pair.1);
+    let good = good.split_once("// corrected\n").map_or(good, |(_, good)| good);
     let bad = bad.lines().map(|line| format!("{}\n", line.replace("//!", "").trim_end())).collect();
     Some((bad, good.to_owned()))
 }

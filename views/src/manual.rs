@@ -55,7 +55,7 @@ pub fn codes() -> impl Iterator<Item = &'static str> {
 /// The text of the page of a diagnostic code, in Markdown.
 pub fn text(code: &str) -> Option<&'static str> {
     let found = TEXTS.binary_search_by_key(&code, |text| text.0);
-    found.ok().map(|index| TEXTS[index].1)
+    found.ok().map(|place| TEXTS[place].1)
 }
 
 #[cfg(test)]

@@ -54,7 +54,7 @@ impl Analysis {
         offsets: &[usize],
     ) -> Cancellable<Vec<Vec<Range<usize>>>> {
         self.list(path, |view| {
-            let ranges = |&index| ide::selection_ranges::selection_ranges(view, index);
+            let ranges = |&offset| ide::selection_ranges::selection_ranges(view, offset);
             offsets.iter().map(ranges).collect()
         })
     }

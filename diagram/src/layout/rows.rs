@@ -29,7 +29,7 @@ pub(super) fn bounded(
     let mut row: Vec<Option<usize>> = vec![None; nodes.len()];
     let mut last = None;
     for number in 0.. {
-        let is_ready = |node: usize| above[node].iter().all(|&index| row[index].is_some());
+        let is_ready = |node: usize| above[node].iter().all(|&node| row[node].is_some());
         let ready: Vec<usize> = waiting.iter().copied().filter(|&node| is_ready(node)).collect();
         let shape = |&&node: &&usize| Some(nodes[node].1) != last;
         let Some(&first) = ready.iter().find(shape).or(ready.first()) else {

@@ -141,7 +141,7 @@ fn consecutive_parts(numbers: &[usize], page: &Page<'_>, run: &[usize]) -> Vec<V
     let mut out: Vec<Vec<usize>> = Vec::new();
     for i in run.iter().copied().filter(in_line) {
         match out.last_mut() {
-            Some(part) if part.last().is_some_and(|&index| numbers[i] - numbers[index] == 1) => {
+            Some(part) if part.last().is_some_and(|&last| numbers[i] - numbers[last] == 1) => {
                 part.push(i);
             }
             _ => out.push(vec![i]),

@@ -61,7 +61,7 @@ proptest! {
     fn agrees_with_counting(text in "[a\\n\\ré😀漢]{0,30}") {
         let index = LineIndex::new(&text);
         for encoding in [Utf8, Utf16, Utf32] {
-            for offset in (0..=text.len()).filter(|&index| text.is_char_boundary(index)) {
+            for offset in (0..=text.len()).filter(|&at| text.is_char_boundary(at)) {
                 let expected = naive(&text, offset, encoding);
                 let size = TextSize::new(offset as u32);
                 prop_assert_eq!(index.line_col(size, encoding), expected, "{:?}", offset);

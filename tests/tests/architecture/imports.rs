@@ -245,7 +245,7 @@ fn uses(code: &str) -> (Vec<(Module, String)>, String) {
     while let Some(at) = left.find("use ") {
         let word = !left[..at]
             .ends_with(|character: char| character.is_alphanumeric() || character == '_');
-        let end = left[at..].find(';').map(|index| at + index);
+        let end = left[at..].find(';').map(|end| at + end);
         let (true, Some(end)) = (word, end) else {
             rest += &left[..at + 4];
             left = &left[at + 4..];
@@ -263,7 +263,7 @@ fn uses(code: &str) -> (Vec<(Module, String)>, String) {
 fn tree(before: &[String], text: &str, out: &mut Vec<(Module, String)>) {
     let text = text.trim().trim_start_matches("::");
     let (path, group) = match text.split_once('{') {
-        Some((path, group)) => (path, group.rsplit_once('}').map(|pair| pair.0)),
+        Some((path, group)) => (path, group.rsplit_once('}').map(|(group, _)| group)),
         None => (text, None),
     };
     let (path, alias) = match path.split_once(" as ") {

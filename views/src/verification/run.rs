@@ -111,6 +111,6 @@ fn decided_cores(problem: &Problem, options: &Options, cancel: &Cancel) -> Optio
     let input = SystemInput { specs: problem.specs() };
     let cores = minimum_cores(&input, &problem.scenario, options, cancel).ok()?;
     let mut tried = cores.tried.iter();
-    let decided = cores.cores.is_some() && tried.all(|pair| pair.1 != Verdict::Unknown);
+    let decided = cores.cores.is_some() && tried.all(|(_, verdict)| *verdict != Verdict::Unknown);
     decided.then_some(cores)
 }

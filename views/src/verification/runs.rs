@@ -18,7 +18,7 @@ pub enum Ending<'t> {
 pub fn chosen(report: &Report, wanted: Option<usize>) -> Option<usize> {
     let has_run = |report: &CheckReport| !report.run().is_empty();
     let refuted = |report: &CheckReport| report.verdict == Verdict::Refuted && has_run(report);
-    let wanted = wanted.filter(|&index| report.checks.get(index).is_some_and(has_run));
+    let wanted = wanted.filter(|&number| report.checks.get(number).is_some_and(has_run));
     let position =
         |matches_check: &dyn Fn(&CheckReport) -> bool| report.checks.iter().position(matches_check);
     wanted.or_else(|| position(&refuted)).or_else(|| position(&has_run))

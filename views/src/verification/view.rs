@@ -75,7 +75,7 @@ impl<'r> View<'r> {
     /// The results of a task.
     pub fn of_task(&self, task: DeclaredTask) -> impl Iterator<Item = (usize, &CheckView<'r>)> {
         let all = self.checks.iter().enumerate();
-        all.filter(move |pair| pair.1.report.id.task == Some(task))
+        all.filter(move |(_, check)| check.report.id.task == Some(task))
     }
 }
 

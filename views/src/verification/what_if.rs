@@ -109,7 +109,7 @@ fn choose<T: Copy>(word: Option<&str>, of: &[(&str, T)]) -> Result<Option<T>, St
     if let Some(pair) = of.iter().find(|entry| entry.0 == word) {
         Ok(Some(pair.1))
     } else {
-        let words: Vec<&str> = of.iter().map(|pair| pair.0).collect();
+        let words: Vec<&str> = of.iter().map(|(name, _)| *name).collect();
         Err(format!("`{word}` is none of {}", words.join(", ")))
     }
 }

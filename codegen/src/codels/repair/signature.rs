@@ -285,8 +285,7 @@ fn pairs(wanted: &[Parameter], function: &Function) -> Vec<Pair> {
     for same in [&by_type as &dyn Fn(&CType, &CType) -> bool, &by_base] {
         for (parameter, pair) in wanted.iter().zip(&mut out) {
             if pair.is_none()
-                && let Some(at) =
-                    free.iter().position(|&index| same(&parameter.ty, &found[index].ty))
+                && let Some(at) = free.iter().position(|&old| same(&parameter.ty, &found[old].ty))
             {
                 *pair = Some(free.remove(at));
             }

@@ -105,7 +105,7 @@ impl Lanes {
             return;
         };
         for (row, open) in lane.open.iter_mut().enumerate() {
-            if open.as_ref().is_some_and(|pair| pair.1.of == *of && pair.1.kind == kind)
+            if open.as_ref().is_some_and(|(_, row)| row.of == *of && row.kind == kind)
                 && let Some(begun) = open.take()
             {
                 lane.ended.extend(span(begun, row, now));
@@ -125,11 +125,11 @@ impl Lanes {
 
     /// The core on which a job runs.
     pub(super) fn core_of(&self, thread: &ThreadName) -> Option<Key> {
-        let has = |pair: &(&Key, &LaneBuilder)| {
-            let mut rows = pair.1.open.iter().flatten();
-            matches!(pair.0, Key::Core(_)) && rows.any(|row| row.1.of == Of::Core(thread.clone()))
+        let has = |(key, lane): &(&Key, &LaneBuilder)| {
+            let mut rows = lane.open.iter().flatten();
+            matches!(key, Key::Core(_)) && rows.any(|row| row.1.of == Of::Core(thread.clone()))
         };
-        self.all.iter().find(has).map(|pair| pair.0.clone())
+        self.all.iter().find(has).map(|(key, _)| (*key).clone())
     }
 
     /// Ends all spans. Returns all lanes, their spans with the codels ahead of them, and the index of each
@@ -142,7 +142,7 @@ impl Lanes {
             out.lanes.push(Lane { name, kind, rows });
             let mut ended = lane.ended;
             for (row, begun) in lane.open.into_iter().enumerate() {
-                ended.extend(begun.and_then(|pair| span(pair, row, now)));
+                ended.extend(begun.and_then(|begun| span(begun, row, now)));
             }
             ended.sort_by(|a, b| a.0.from.total_cmp(&b.0.from));
             for (mut span, ahead) in ended {

@@ -102,8 +102,8 @@ impl<'e> Exclusions<'e> {
     fn shared(&self, codel: &str, with: Option<&[&str]>) -> Vec<String> {
         let mut out: Vec<String> = Vec::new();
         let others = self.through.get(codel).into_iter().flatten();
-        let wanted = others.filter(|pair| with.is_none_or(|with| with.contains(pair.0)));
-        for text in wanted.flat_map(|pair| pair.1.iter()).map(ToString::to_string) {
+        let wanted = others.filter(|(other, _)| with.is_none_or(|with| with.contains(other)));
+        for text in wanted.flat_map(|(_, data)| data.iter()).map(ToString::to_string) {
             if !out.contains(&text) {
                 out.push(text);
             }

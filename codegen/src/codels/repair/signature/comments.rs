@@ -48,7 +48,7 @@ pub(super) fn with_comments(
             out += &format!("\n{indent}");
         }
         let own = pairs.get(index).and_then(|pair| pair.found);
-        for comment in own.iter().flat_map(|&pair| &before[pair]) {
+        for comment in own.iter().flat_map(|&found| &before[found]) {
             out += &format!("{comment}\n{indent}");
         }
         out += &declaration;
@@ -56,7 +56,7 @@ pub(super) fn with_comments(
         if !is_last {
             out.push(',');
         }
-        let mut tail: Vec<&String> = own.iter().flat_map(|&pair| &behind[pair]).collect();
+        let mut tail: Vec<&String> = own.iter().flat_map(|&found| &behind[found]).collect();
         if is_last {
             // Comments of removed parameters are kept too.
             let gone = (0..function.parameters.len()).filter(|parameter| !kept.contains(parameter));
