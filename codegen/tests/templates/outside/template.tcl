@@ -1,4 +1,4 @@
-# Everything a preview must refuse.
+# Nothing of this may have an effect in a preview.
 set dir [lindex $argv 0]
 foreach script {
   {open $dir/written.txt w}
