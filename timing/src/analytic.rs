@@ -419,8 +419,8 @@ impl<'s> Analysis<'s> {
     }
 
     /// Returns the jobs of another task in a window that begins at most `width` after the release of a job.
-    /// If both tasks are released at their ticks, the times since the last tick of the other one are known, as
-    /// far as the starts of their timers are. A start-up has no tick, so that it must be over.
+    /// If both tasks are released at their ticks, the times since the last tick of the other one are known,
+    /// as far as the starts of their timers are. A start-up has no tick, so that it must be over.
     fn in_phase(&self, task: TaskId, other: TaskId, jobs: Jobs, width: u64) -> Jobs {
         let (Kind::Punctual(response), Some(period)) = (jobs.kind, self.system.tasks[task].period)
         else {
@@ -446,8 +446,8 @@ impl<'s> Analysis<'s> {
         Jobs { kind: Kind::InPhase { response, first, every, width }, ..jobs }
     }
 
-    /// Returns the latest time at which the timer of a task starts: after the first codels of the tasks before
-    /// it in its component.
+    /// Returns the latest time at which the timer of a task starts: after the first codels of the tasks
+    /// before it in its component.
     fn timer_starts(&self, task: TaskId) -> Option<u64> {
         let system = self.system;
         let tasks = system.components[system.tasks[task].component].tasks.iter();
