@@ -114,6 +114,11 @@ fn a_run_is_followed_through_its_socket() {
     });
     let answers: Vec<Value> = answers.take(200).collect();
     assert_eq!(answers[0]["event"], "profiling");
+    assert_eq!(answers[1]["line"], "# dotgen: times are measured");
+    assert_eq!(
+        answers[2]["line"].as_str().map(|line| line.starts_with("# dotgen: simulated ")),
+        Some(true)
+    );
     let lines = answers[1..].iter();
     let lines = lines.map(|line| format!("{}\n", line["line"].as_str().expect("a line")));
     put(&directory, "heard.out", &lines.collect::<String>());

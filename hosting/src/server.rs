@@ -94,8 +94,14 @@ impl Server {
         ProgressSubscribers { shared: self.shared.clone(), told: None }
     }
 
-    /// Returns the subscribers of the lines of the profile.
-    pub fn followers(&self) -> ProfileSubscribers {
+    /// Returns the subscribers of the lines of the profile. Each gets the lines that name the source of its
+    /// times first.
+    pub fn followers(&self, origins: &str) -> ProfileSubscribers {
+        let mut state = self.shared.state();
+        state.origins = origins.lines().map(subscribers::ran).collect();
+        for (client, id) in &state.followers {
+            state.origins.iter().for_each(|line| client.say(line.clone(), id));
+        }
         ProfileSubscribers(self.shared.clone())
     }
 
@@ -128,6 +134,8 @@ struct State {
     watchers: Vec<Watcher>,
     /// Subscribers of executions of codels, with the `id` of their request.
     followers: Vec<(Client, Value)>,
+    /// The events of the lines that name the source of the times of the profile.
+    origins: Vec<Value>,
     /// Subscribers of the progress of the run, with the `id` of their request.
     progress_subscribers: Vec<(Client, Value)>,
     /// Subscribers of violations, with the `id` of their request.
@@ -381,6 +389,7 @@ fn answer(
         admit(&state, client, id)?;
         // The answer comes before the lines.
         client.say(json!({"event": "profiling"}), id);
+        state.origins.iter().for_each(|line| client.say(line.clone(), id));
         state.followers.push((client.clone(), id.clone()));
         return Ok(None);
     }

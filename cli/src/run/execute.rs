@@ -189,21 +189,23 @@ impl Context<'_, '_> {
         &self,
         prepared: &'r Prepared,
         mut recorder: Option<&'r mut Recorder<'a>>,
-        followers: Option<Box<dyn Write>>,
+        server: Option<&dotgen_hosting::server::Server>,
         measured: Option<&dyn Fn(CodelId) -> bool>,
     ) -> anyhow::Result<Option<Profile<'r, Runs<'r, 'a>>>> {
-        if recorder.is_none() && followers.is_none() {
+        if recorder.is_none() && server.is_none() {
             return Ok(None);
         }
         let system = &prepared.built.system;
+        let codels = system.codels.iter_enumerated();
+        let simulated = codels.filter(|(number, codel)| {
+            codel.site.is_some() && measured.is_some_and(|is_executed| !is_executed(*number))
+        });
+        let simulated = simulated.map(|(_, codel)| &*codel.path);
+        let origins = origins(measured.is_some(), simulated);
         if let Some(recorder) = &mut recorder {
-            let codels = system.codels.iter_enumerated();
-            let simulated = codels.filter(|(number, codel)| {
-                codel.site.is_some() && measured.is_some_and(|is_executed| !is_executed(*number))
-            });
-            let simulated = simulated.map(|(_, codel)| &*codel.path);
-            recorder.say(&origins(measured.is_some(), simulated))?;
+            recorder.say(&origins)?;
         }
+        let followers = server.map(|server| Box::new(server.followers(&origins)) as Box<dyn Write>);
         let runs = Runs { recorder, followers };
         let functions = functions(system, self.names);
         Ok(Some(Profile::new(system, functions, runs)))
@@ -368,13 +370,12 @@ impl Context<'_, '_> {
         let plan = arguments.plan(&opened, weights.as_ref());
         let grown = |ticks: &Option<Ticks>| ticks.map(|tick| tick.saturating_mul(factor));
         let bounds: Vec<_> = self.bounds.iter().map(grown).collect();
-        let followers = server.map(|server| Box::new(server.followers()) as Box<dyn Write>);
         let is_executed = |codel: CodelId| parts.codel(codel).is_some();
         let mut progress_subscribers = server.map(Server::progress_subscribers);
         let mut profile = self.profile(
             &opened,
             files.runs.as_mut(),
-            followers,
+            server,
             real.then_some(&is_executed as &dyn Fn(CodelId) -> bool),
         )?;
         let watchdog = super::systemd::Watchdog::new();

@@ -86,6 +86,11 @@ impl State {
     }
 }
 
+/// Returns the event of a line of the profile.
+pub(super) fn ran(line: &str) -> Value {
+    json!({"event": "ran", "line": line.trim_end()})
+}
+
 /// Sends lines of the profile to clients.
 pub struct ProfileSubscribers(pub(super) Arc<Shared>);
 
@@ -93,8 +98,7 @@ impl Write for ProfileSubscribers {
     fn write(&mut self, line: &[u8]) -> io::Result<usize> {
         let state = self.0.state();
         if !state.followers.is_empty() {
-            let text = String::from_utf8_lossy(line);
-            let told = json!({"event": "ran", "line": text.trim_end()});
+            let told = ran(&String::from_utf8_lossy(line));
             for (client, id) in &state.followers {
                 client.say(told.clone(), id);
             }
