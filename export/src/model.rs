@@ -5,6 +5,8 @@
 //! are no functions, no broadcasts, no urgent channels and no priorities: *urgent* locations stop time,
 //! *committed* ones also stop every process that is not in a committed location.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use dotgen_timing::explore::Action;
 
 /// A network of timed automata.
@@ -200,6 +202,35 @@ pub enum QueryKind {
     Lively { process: String, location: String },
     /// The greatest value of each clock while its condition holds.
     Greatest(Vec<(Guard, String)>),
+}
+
+impl Network {
+    /// Removes the edges that no other process can synchronise with, and channels without edges. Tools
+    /// differ: one blocks such an edge, another one lets its process act alone.
+    pub(crate) fn drop_unmatched(&mut self) {
+        // By channel, the processes that send, and those that receive.
+        let mut ends: BTreeMap<String, [BTreeSet<usize>; 2]> = BTreeMap::new();
+        for (number, process) in self.processes.iter().enumerate() {
+            for sync in process.edges.iter().filter_map(|edge| edge.sync.as_ref()) {
+                let (Sync::Send(channel) | Sync::Receive(channel)) = sync;
+                let receives = usize::from(matches!(sync, Sync::Receive(_)));
+                ends.entry(channel.clone()).or_default()[receives].insert(number);
+            }
+        }
+        for (number, process) in self.processes.iter_mut().enumerate() {
+            process.edges.retain(|edge| {
+                let (channel, others) = match &edge.sync {
+                    None => return true,
+                    Some(Sync::Send(channel)) => (channel, 1),
+                    Some(Sync::Receive(channel)) => (channel, 0),
+                };
+                ends[channel][others].iter().any(|&other| other != number)
+            });
+        }
+        self.channels.retain(|(channel, _)| {
+            ends.get(channel).is_some_and(|ends| ends.iter().all(|ends| !ends.is_empty()))
+        });
+    }
 }
 
 impl Query {

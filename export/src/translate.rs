@@ -93,6 +93,7 @@ pub fn translate(prepared: &Prepared, place: &Place) -> Result<Network, Vec<Refu
     }
     network.processes.push(scheduler::process(&layout, &checks));
     network.queries = checks.queries();
+    network.drop_unmatched();
     match shared_name(&network) {
         Some(name) => Err(vec![Refusal::new("two parts with one name", Some(name.to_owned()))]),
         None => Ok(network),

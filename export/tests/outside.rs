@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use dotgen_export::{Format, export};
+use dotgen_timing::explore::Limits as WatchLimits;
 use dotgen_timing::report::{CheckReport, Soundness, Value, Verdict};
 use dotgen_timing::scn::ast::{Durations, Policy};
 use dotgen_timing::scn::semantics::Preset;
@@ -72,13 +73,15 @@ fn random_systems() {
     let Some(program) = std::env::var_os("DOTGEN_TCHECKER") else {
         return dotgen_loaders::skip("no data: DOTGEN_TCHECKER names no program `tck-reach`");
     };
+    let limits = WatchLimits { states: 100_000, ..WatchLimits::default() };
+    let options = Options { limits, ..Options::default() };
     let mut counts = Counts::default();
     for seed in 0..dotgen_loaders::times(20) {
         let draw = if seed % 2 == 0 { random::texts } else { published };
         let texts = draw(&mut Dice::new(seed));
         if let Some(of) = System::of_texts(&texts.specifications, &texts.scenario) {
             let asked = (Path::new(&program), FEW_SECONDS);
-            system(asked, &of, &format!("seed {seed}"), &Options::default(), &mut counts);
+            system(asked, &of, &format!("seed {seed}"), &options, &mut counts);
         }
     }
     report(&counts, FEW_SECONDS);
