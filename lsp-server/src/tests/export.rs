@@ -99,7 +99,7 @@ async fn unsaved_edits_are_exported_with_their_places() {
 async fn refusals_have_their_places() {
     let (mut client, folder) = start().await;
     let uri = folder.uri("tank.scn");
-    let text = SCENARIO.replace("await ended;", "await ended ok;").replace("fifo", "priority");
+    let text = SCENARIO.replace("await ended;", "kill pump;").replace("fifo", "priority");
     client.open(&uri, &text).await;
     let found = refusals(&exported(&mut client, &uri, "uppaal").await);
     let expected = |message: &str, place: &str| (message.to_owned(), place.to_owned());
@@ -107,7 +107,7 @@ async fn refusals_have_their_places() {
         found,
         [
             expected("not exported: `policy priority`", "tank.scn:0"),
-            expected("not exported: `await ended ok` of c", "tank.scn:3"),
+            expected("not exported: `kill` of c", "tank.scn:3"),
         ]
     );
     let text = SCENARIO.replace("\n}", "\n  check ends: eventually pump.fill.run;\n}");

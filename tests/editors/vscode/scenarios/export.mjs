@@ -37,12 +37,12 @@ export function checks(wb) {
     ['what is not exported is named with its place', async () => {
       await wb.open('pump.scn');
       await wb.endOf('pump.scn', 'await ended pump.fill;');
-      for (let i = 0; i < 'pump.fill;'.length; i++) await page.keyboard.press('Backspace');
-      await wb.type('ok pump.fill;');
+      for (let i = 0; i < 'await ended pump.fill;'.length; i++) await page.keyboard.press('Backspace');
+      await wb.type('kill pump;');
       await wb.command('dotgen: Export the Formal Model…');
       await rows('RT-BIP').click();
       const refused = notification('Export: RT-BIP: ');
-      await refused.filter({ hasText: 'not exported: `await ended ok`' }).waitFor();
+      await refused.filter({ hasText: 'not exported: `kill`' }).waitFor();
       await wb.shot('export-3-refused.png');
       await refused.locator('.monaco-button', { hasText: 'Show' }).click();
       await page.locator('.monaco-editor .line-numbers.active-line-number', { hasText: /^10$/ }).waitFor();
