@@ -265,7 +265,7 @@ fn print_json(title: &str, reports: &[LogReport]) -> anyhow::Result<()> {
         document["scenario"] = title.into();
         document["log"] = log.as_str().into();
         document["checks"] = results.json();
-        document["not-checked"] = serde_json::to_value(&results.unshown)?;
+        document["not-checked"] = results.unshown_json();
         documents.push(document);
     }
     outputs::print_json(&outputs::one_or_all(documents))

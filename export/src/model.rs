@@ -227,9 +227,13 @@ impl Network {
                 ends[channel][others].iter().any(|&other| other != number)
             });
         }
-        self.channels.retain(|(channel, _)| {
-            ends.get(channel).is_some_and(|ends| ends.iter().all(|ends| !ends.is_empty()))
-        });
+        let edges = self.processes.iter().flat_map(|process| &process.edges);
+        let used: BTreeSet<String> = edges
+            .filter_map(|edge| match edge.sync.as_ref()? {
+                Sync::Send(channel) | Sync::Receive(channel) => Some(channel.clone()),
+            })
+            .collect();
+        self.channels.retain(|(channel, _)| used.contains(channel));
     }
 }
 

@@ -8,6 +8,7 @@ use dotgen_runtime::checker::{RunChecker, Verdict};
 use dotgen_runtime::report::{self, CheckOutcome};
 use dotgen_timing::property::{Atom, Predicate};
 use dotgen_timing::report::Value;
+use dotgen_timing::system::TimedSystem;
 use dotgen_timing::verify::{Prepared, Question};
 use num_rational::Ratio;
 use serde_json::json;
@@ -54,6 +55,7 @@ impl<'p> LogChecks<'p> {
 
     fn follow(&mut self, steps: impl FnOnce(&mut LogWatch, &mut dyn FnMut(&LogWatch, Noted))) {
         let LogChecks { monitor, prepared, watch, judge, violated, .. } = self;
+        let system = &prepared.built.system;
         steps(watch, &mut |watch, noted| {
             match &noted.seen {
                 Some(seen) => judge.on_event(watch, seen),
@@ -62,7 +64,7 @@ impl<'p> LogChecks<'p> {
             for (check, answer) in judge.answers.iter().enumerate() {
                 let is_new = answer.violations > 0 && !violated[check];
                 let asked = &prepared.checks[check];
-                if is_new && unshown(&asked.question).is_none() {
+                if is_new && unshown(system, &asked.question).is_none() {
                     violated[check] = true;
                     monitor.violated(noted.line, noted.at, check_title(&asked.report));
                 }
@@ -79,17 +81,30 @@ impl<'p> LogChecks<'p> {
             Value::Time(unit.from_seconds(Ratio::new(i128::from(nanos), 1_000_000_000)))
         };
         let mut results = CheckResults::default();
+        let missed = match (self.watch.late(), report.counts.get("unknown")) {
+            (0, None) => None,
+            (0, Some(1)) => Some("1 line of the log is not in the model".to_owned()),
+            (0, Some(count)) => Some(format!("{count} lines of the log are not in the model")),
+            (1, _) => Some("1 line of the log came too late to be ordered".to_owned()),
+            (late, _) => Some(format!("{late} lines of the log came too late to be ordered")),
+        };
+        if !self.prepared.chains.is_empty() {
+            results.unshown.insert(CHAINS, self.prepared.chains.clone());
+        }
         let all = report::checks(self.prepared, &self.judge, self.simulated);
         for (check, mut result) in all.into_iter().enumerate() {
             let asked = &self.prepared.checks[check];
-            if let Some(why) = unshown(&asked.question) {
+            if let Some(why) = unshown(&self.prepared.built.system, &asked.question) {
                 results.unshown.entry(why).or_default().push(check_title(&asked.report));
                 continue;
             }
-            if self.watch.late() > 0 && result.verdict != Verdict::Violated {
-                let late = self.watch.late();
+            // What was seen stays; what was not seen may have been missed.
+            let looks_for =
+                matches!(asked.question, Question::Reachable(_) | Question::Eventually(_));
+            let is_kept = matches!(result.verdict, Verdict::Kept | Verdict::Simulated);
+            if let (Some(why), true) = (&missed, is_kept && !looks_for) {
                 result.verdict = Verdict::NotExercised;
-                result.why = Some(format!("{late} lines of the log came too late to be ordered"));
+                result.why = Some(why.clone());
             }
             if let (Question::Within(..) | Question::LeadsTo(..), Some(place)) =
                 (&asked.question, self.places[check])
@@ -140,8 +155,22 @@ impl CheckResults {
     }
 }
 
+impl CheckResults {
+    /// Returns the checks that no log answers, each with the reason.
+    pub(super) fn unshown_json(&self) -> serde_json::Value {
+        let all = self.unshown.iter();
+        let all = all.flat_map(|(why, checks)| {
+            checks.iter().map(move |check| json!({ "check": check, "why": why }))
+        });
+        all.collect()
+    }
+}
+
+/// The reason why no log answers a check of a chain.
+const CHAINS: &str = "logs have no data, `dotgen verify` answers these checks";
+
 /// Returns the reason why no log answers a question, in words; `None` if a log can.
-fn unshown(question: &Question) -> Option<&'static str> {
+fn unshown(system: &TimedSystem, question: &Question) -> Option<&'static str> {
     let predicates: Vec<&Predicate> = match question {
         Question::Schedulable(_) | Question::NoOverdue(_) | Question::Response(..) => {
             return Some("a log has no releases of jobs, so that response times are not certain");
@@ -156,13 +185,13 @@ fn unshown(question: &Question) -> Option<&'static str> {
     for predicate in predicates {
         predicate.atoms(&mut |atom| match atom {
             Atom::Data { .. } => has_data = true,
-            atom => has_others |= !LogWatch::shows(atom),
+            atom => has_others |= !LogWatch::shows(system, atom),
         });
     }
     if has_data {
         Some("logs have no data, `dotgen run --record` and `dotgen replay` check this")
     } else if has_others {
-        Some("a log shows codels, not the states of tasks, activities and clients")
+        Some("a log shows codels one by one, not tasks, activities and clients")
     } else {
         None
     }

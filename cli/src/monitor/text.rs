@@ -96,7 +96,7 @@ fn one(
     let many = if report.deviation_count == 1 { "deviation" } else { "deviations" };
     writeln!(out, "\n{BAD}{} {many}{BAD:#}", report.deviation_count)?;
     for found in deviations.iter().take(MAX_LISTED) {
-        writeln!(out, "  {found}")?;
+        writeln!(out, "  {}", wrapped(found, 2, 4))?;
     }
     let more = report.deviation_count.saturating_sub(deviations.len().min(MAX_LISTED) as u64);
     if more > 0 {

@@ -717,7 +717,7 @@ proc ::dg::changed_paths {command words} {
 proc ::dg::confined_file {command args} {
   if {$command eq "mkdir"} {
     # Directories are created with the generated files in them.
-    set args [lmap path $args {expr {[inside $path] ? $path : [continue]}}]
+    set args [lmap path $args {if {![inside $path]} continue; set path}]
   }
   foreach change {delete rename copy mkdir link attributes mtime atime tempfile} {
     if {$command eq {} || ![string match [string map {* \\* ? \\? \[ \\[} $command]* $change]} continue

@@ -2,12 +2,12 @@
 //!
 //! A log shows the codels of state machines and of control tasks: from the request for their locks to their
 //! end. So the state of a run, as far as the log shows it, is the codel of each thread, and whether it waits
-//! or executes. A thread that ends a codel is about to execute the next one, as in the verified model
-//! (section 9 of the timed semantics). Intervals are half open: of two threads at the same nanosecond, ends
-//! come before requests, and requests before beginnings.
+//! or executes. A thread that ends a codel waits for the next one at once, as in the verified model, if that
+//! is the state that its next line shows. At the same nanosecond, codels that end come first, in the order of
+//! the log; then come requests, then beginnings.
 
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, VecDeque};
 
 use dotgen_timing::explore::{RunState, Seen, Watched, Work};
 use dotgen_timing::property::{Atom, Monitor, Predicate, StatePhase};
@@ -39,20 +39,19 @@ pub enum Thread {
 /// The codel of a thread, and whether it executes. Otherwise it waits for its locks.
 type Present = Option<(Subject, bool)>;
 
-/// The kind of a change. At the same moment, ends come first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Change {
-    End,
     Ask,
     Begin,
+    End,
 }
 
 /// A change of what a thread does, in order of time. Fields are compared in their order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct LogEvent {
     at: i64,
-    /// Number of codels without duration that the thread has ended at this moment.
-    round: u32,
+    /// Whether the codel ends later, and the order among such changes of a moment.
+    order: (bool, u64, u64),
     change: Change,
     line: u64,
     thread: Thread,
@@ -95,8 +94,8 @@ pub struct LogWatch {
     unit: Ratio<i128>,
     pending: BinaryHeap<Reverse<LogEvent>>,
     threads: FxHashMap<Thread, Present>,
-    /// Moment of the last end of each thread, and its round.
-    ended: FxHashMap<Thread, (i64, u32)>,
+    /// Codels of each thread that have not ended, in order.
+    coming: FxHashMap<Thread, VecDeque<Subject>>,
     /// First moment of the log, and the present one.
     span: Option<(i64, i64)>,
     /// Beginning of the wait for each response that is awaited, by entry of [`Watched::within`].
@@ -119,15 +118,27 @@ impl LogWatch {
             watched,
             pending: BinaryHeap::new(),
             threads: FxHashMap::default(),
-            ended: FxHashMap::default(),
+            coming: FxHashMap::default(),
             span: None,
             late: 0,
         }
     }
 
-    /// Returns true if a log shows the value of an atom.
-    pub fn shows(atom: &Atom) -> bool {
-        matches!(atom, Atom::State { .. } | Atom::Handling { .. })
+    /// Returns true if a log shows the value of an atom: not of a service with several codels or none, nor of
+    /// a machine whose activities have threads of their own.
+    pub fn shows(system: &TimedSystem, atom: &Atom) -> bool {
+        match *atom {
+            Atom::State { machine, .. } => {
+                let machine = &system.machines[machine];
+                !system.platform.async_free || machine.states.iter().all(|state| !state.is_async)
+            }
+            Atom::Handling { service, codel: None, .. } => {
+                let service = &system.services[service];
+                service.validate.iter().chain(&service.simple).count() == 1
+            }
+            Atom::Handling { .. } => true,
+            _ => false,
+        }
     }
 
     /// Returns the number of codels that began before a moment that had already been evaluated: then the
@@ -151,21 +162,16 @@ impl LogWatch {
             self.late += 1;
             return;
         }
-        let (last, round) = self.ended.get(&thread).copied().unwrap_or((i64::MIN, 0));
-        let of = |at: i64| if at == last { round } else { 0 };
-        let event = |at, round, change, present| {
-            Reverse(LogEvent { at, round, change, line, thread, present, codel, task })
+        let mut add = |at: i64, change: Change, present: Present| {
+            let number = change as u64;
+            let order = if at < ended { (true, number, line) } else { (false, line, number) };
+            let event = LogEvent { at, order, change, line, thread, present, codel, task };
+            self.pending.push(Reverse(event));
         };
-        self.pending.push(event(asked, of(asked), Change::Ask, Some((subject, false))));
-        self.pending.push(event(began, of(began), Change::Begin, Some((subject, true))));
-        let round = if began == ended { of(ended) + 1 } else { 0 };
-        self.pending.push(event(
-            ended,
-            round,
-            Change::End,
-            executed.next.map(|next| (next, false)),
-        ));
-        self.ended.insert(thread, (ended, round));
+        add(asked, Change::Ask, Some((subject, false)));
+        add(began, Change::Begin, Some((subject, true)));
+        add(ended, Change::End, executed.next.map(|next| (next, false)));
+        self.coming.entry(thread).or_default().push_back(subject);
         while self.pending.len() > MAX_PENDING_EVENTS {
             self.step(&mut note);
         }
@@ -180,7 +186,13 @@ impl LogWatch {
 
     /// Performs the earliest change.
     fn step(&mut self, note: &mut impl FnMut(&Self, Noted)) {
-        let Some(Reverse(event)) = self.pending.pop() else { return };
+        let Some(Reverse(mut event)) = self.pending.pop() else { return };
+        if event.change == Change::End {
+            let coming = self.coming.entry(event.thread).or_default();
+            coming.pop_front();
+            // An interruption may lead elsewhere, and the log may end here.
+            event.present = event.present.filter(|next| coming.front() == Some(&next.0));
+        }
         let is_first = self.span.is_none();
         self.span = Some((self.span.map_or(event.at, |span| span.0), event.at));
         if self.awaited.iter().flatten().any(Option::is_some) {
