@@ -354,4 +354,8 @@ fn codels_of_one_moment_are_in_the_order_of_the_log() {
         "{log}0.090000000 0.090000000 0.091000000 pump control fill fill_wait ::pump::wait ::pump::ether\n"
     );
     assert_eq!(verdict(&unknown, "never pump.fill.wait"), "not-exercised");
+    // The same of a time that goes backwards; a last line that is cut hides nothing before it.
+    let step = "0.100000000 0.100000000 0.090000000 pump control <permanent> control_main ::pump::main x\n";
+    assert_eq!(verdict(&format!("{log}{step}"), never), "not-exercised");
+    assert_eq!(verdict(&format!("{log}0.1000"), never), "kept");
 }

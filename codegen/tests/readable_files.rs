@@ -1,4 +1,4 @@
-//! Where links lead, and which files configure tools.
+//! Links out of folders, and files that configure tools.
 #![cfg(unix)]
 
 use dotgen_codegen::template::readable_files::{is_below, is_control, is_hidden, link_out};

@@ -310,7 +310,7 @@ fn a_preview_reaches_nothing_outside() {
     };
     let printed = text(&console.out);
     let refused = printed.lines().filter(|line| line.ends_with(": 1")).count();
-    // `file mkdir` alone is no error, but makes nothing.
+    // `file mkdir` is accepted, and no folder is made.
     assert_eq!(refused, 7, "{printed}");
     // Its last action is to overwrite a file, which the engine refuses too.
     assert_eq!(outcome.status, 2);

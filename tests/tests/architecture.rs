@@ -100,7 +100,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("xtask", &[]),
 ];
 
-/// What the tests of every crate may use: the files and processes of the system as well.
+/// Crates that the tests of every crate may use.
 const OF_TESTS: [&str; 2] = ["dotgen-loaders", "dotgen-platform"];
 
 fn manifest(folder: &str) -> toml::Table {

@@ -239,6 +239,9 @@ const SETTLED: usize = 100;
 /// Limit on actions, for the search of exact values after bounds have answered all checks.
 const STEPS_IF_SETTLED: u64 = 200_000;
 
+/// Limit on actions, for the search of exact values where bounds lie beyond periods.
+const STEPS_IF_BOUNDED: u64 = 10_000_000;
+
 /// The note of a report whose checks were all answered before the exploration was complete.
 const NOT_EXAMINED: &str =
     "no request was seen to be refused for want of a slot, but not everything was looked at";
@@ -305,8 +308,8 @@ impl Group<'_> {
         }
     }
 
-    /// Returns the limits for some checks. If each of them has a bound that answers it, exact values are
-    /// worth less effort.
+    /// Returns the limits for some checks. If each of them has a bound, exact values are worth less effort,
+    /// and still less if the bounds answer the checks.
     fn limits_for(&self, checks: &[Single], part: &[usize], analysed: &ResponseBounds) -> Limits {
         if part.iter().all(|&i| self.is_settled(&checks[i], analysed)) {
             Limits {
@@ -314,6 +317,8 @@ impl Group<'_> {
                 steps: self.limits.steps.min(STEPS_IF_SETTLED),
                 ..self.limits
             }
+        } else if part.iter().all(|&i| analysed.response(&checks[i]).is_some()) {
+            Limits { steps: self.limits.steps.min(STEPS_IF_BOUNDED), ..self.limits }
         } else {
             self.limits
         }

@@ -26,6 +26,8 @@ pub(super) struct LogChecks<'p> {
     violated: Vec<bool>,
     /// Some codels were simulated: nothing is known about the program.
     simulated: bool,
+    /// The last line has no line break.
+    is_cut: bool,
 }
 
 impl<'p> LogChecks<'p> {
@@ -39,12 +41,14 @@ impl<'p> LogChecks<'p> {
             violated: vec![false; places.len()],
             places,
             simulated: false,
+            is_cut: false,
             prepared,
         }
     }
 
     /// Reads a line of the log. `ended`: the line has its line break.
     pub(super) fn line(&mut self, number: u64, text: &[u8], ended: bool) {
+        self.is_cut = !ended;
         self.simulated |= matches!(origin(text), Some(Origin::Simulated | Origin::Codel(_)));
         let executed = self.monitor.line(number, text, ended);
         // Without checks, nothing needs the order of events.
@@ -81,12 +85,14 @@ impl<'p> LogChecks<'p> {
             Value::Time(unit.from_seconds(Ratio::new(i128::from(nanos), 1_000_000_000)))
         };
         let mut results = CheckResults::default();
-        let missed = match (self.watch.late(), report.counts.get("unknown")) {
-            (0, None) => None,
-            (0, Some(1)) => Some("1 line of the log is not in the model".to_owned()),
-            (0, Some(count)) => Some(format!("{count} lines of the log are not in the model")),
-            (1, _) => Some("1 line of the log came too late to be ordered".to_owned()),
-            (late, _) => Some(format!("{late} lines of the log came too late to be ordered")),
+        let unknown = report.counts.get("unknown").copied().unwrap_or(0);
+        // The last line of a log may be cut, and hides nothing that came before.
+        let cut = report.left.cut.saturating_sub(u64::from(self.is_cut));
+        let unused = unknown + self.watch.late() + report.left.clock_steps + cut;
+        let missed = match unused {
+            0 => None,
+            1 => Some("1 line of the log could not be used".to_owned()),
+            count => Some(format!("{count} lines of the log could not be used")),
         };
         if !self.prepared.chains.is_empty() {
             results.unshown.insert(CHAINS, self.prepared.chains.clone());

@@ -21,7 +21,7 @@ const MAX_PENDING_EVENTS: usize = 65_536;
 
 const NANOS_PER_SECOND: i128 = 1_000_000_000;
 
-/// What a thread executes.
+/// The codel of a thread: of a state machine, or of a request to a control task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Subject {
     State { machine: MachineId, state: usize },
@@ -50,7 +50,7 @@ enum Change {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct LogEvent {
     at: i64,
-    /// Whether the codel ends later, and the order among such changes of a moment.
+    /// Order among the changes of a moment; the first part is true if the codel ends later.
     order: (bool, u64, u64),
     change: Change,
     line: u64,
@@ -68,7 +68,7 @@ pub struct Executed {
     pub subject: Subject,
     pub codel: CodelId,
     pub task: Option<usize>,
-    /// What the thread does next in the same turn.
+    /// The next codel of the same turn, if there is one.
     pub next: Option<Subject>,
     pub line: u64,
     /// Request for the locks, beginning and end, in nanoseconds.
