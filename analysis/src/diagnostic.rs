@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use camino::Utf8PathBuf;
 
-pub use dotgen_syntax::Severity;
+pub use dotgen_syntax::{Severity, finding::Wording};
 
 /// Extra meaning of a diagnostic, as in LSP.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -23,7 +23,7 @@ pub struct Diagnostic {
     /// Severity after the configuration has been applied.
     pub severity: Severity,
     /// The error, and the correct form.
-    pub message: String,
+    pub message: Wording,
     /// The message of the reference compiler, if it reports one.
     pub reference: Option<Reference>,
     /// The file.
@@ -55,7 +55,7 @@ pub struct Related {
     /// Byte range in the file.
     pub range: Range<usize>,
     /// The description of the place.
-    pub message: String,
+    pub message: Wording,
 }
 
 /// A set of edits that removes the cause of a diagnostic.
@@ -103,7 +103,7 @@ impl Diagnostic {
     pub fn new(
         code: &'static str,
         severity: Severity,
-        message: impl Into<String>,
+        message: impl Into<Wording>,
         path: Utf8PathBuf,
         range: Range<usize>,
     ) -> Diagnostic {
@@ -121,7 +121,7 @@ impl Diagnostic {
     }
 
     /// The sort and deduplication key of diagnostics: place first.
-    pub(crate) fn sort_key(&self) -> (&str, usize, usize, Severity, &str, &str) {
+    pub(crate) fn sort_key(&self) -> (&str, usize, usize, Severity, &str, &Wording) {
         (
             self.path.as_str(),
             self.range.start,

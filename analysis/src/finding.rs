@@ -91,9 +91,9 @@ impl FindingKind {
     pub fn wording(&self, near: Option<&Near>, because: Option<&str>) -> Wording {
         let mut wording = self.words();
         let near = near.map(|near| format!("did you mean `{}`?", near.name));
-        let parts = [wording.advice, near, because.map(str::to_owned)];
-        let advice: Vec<String> = parts.into_iter().flatten().collect();
-        wording.advice = (!advice.is_empty()).then(|| advice.join("; "));
+        for advice in near.as_deref().into_iter().chain(because) {
+            wording.advise(advice);
+        }
         wording
     }
 
@@ -105,7 +105,7 @@ impl FindingKind {
             FindingKind::NameProblem(NameProblem::Clash { name, what }) => {
                 format!("declaration of '{name}' clashes with existing {}", what.noun)
             }
-            _ => self.words().what.replace('`', ""),
+            _ => self.words().plain(),
         }
     }
 

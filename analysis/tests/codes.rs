@@ -59,7 +59,7 @@ fn diagnostics(text: &str) -> Vec<(usize, &'static str, String)> {
             } else {
                 1 + text[..diagnostic.range.start].matches('\n').count()
             };
-            (line, diagnostic.code, diagnostic.message.clone())
+            (line, diagnostic.code, diagnostic.message.to_string())
         })
         .collect()
 }

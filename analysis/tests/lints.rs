@@ -53,7 +53,7 @@ fn each_codel_without_execution_time_is_named() {
                 codel<a> g() yield pause::b; codel<b> h() yield pause::a; }; };";
     let found = check(text(spec), strict());
     let missing = found.iter().filter(|check| check.code == "timing/missing-wcet");
-    let messages: Vec<&str> = missing.map(|check| check.message.as_str()).collect();
+    let messages: Vec<String> = missing.map(|check| check.message.to_string()).collect();
     let of = |codel: &str| {
         format!(
             "codel `{codel}` has no execution time and counts as taking none; add `wcet` with the measured \

@@ -30,7 +30,7 @@ fn found(text: &str, severity: Severity) -> Vec<(&'static str, String)> {
     let unit = host.analysis().batch(&input).unwrap();
     let all = unit.diagnostics.iter();
     all.filter(|diagnostic| diagnostic.severity == severity)
-        .map(|diagnostic| (diagnostic.code, diagnostic.message.clone()))
+        .map(|diagnostic| (diagnostic.code, diagnostic.message.to_string()))
         .collect()
 }
 

@@ -55,7 +55,7 @@ fn check(text: &str) {
     let unit = host.analysis().batch(&input).unwrap();
     for diagnostic in unit.diagnostics.iter() {
         assert!(diagnostic.range.end <= text.len(), "{diagnostic:?}");
-        assert!(!diagnostic.message.is_empty());
+        assert!(!diagnostic.message.to_string().is_empty());
     }
     let _ = model_json::to_json(&unit.spec, Some(&*unit.locations));
 }

@@ -5,7 +5,7 @@ use std::io::Write;
 use anyhow::bail;
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, ValueEnum};
-use dotgen_analysis::diagnostic::{Diagnostic, Severity};
+use dotgen_analysis::diagnostic::{Diagnostic, Severity, Wording};
 use dotgen_analysis::ide::{FilePosition, FileRange, NamedDeclaration, SymbolKind};
 use dotgen_syntax::suggestion::nearest;
 use rustc_hash::FxHashMap;
@@ -81,7 +81,7 @@ struct Place {
 struct Finding {
     code: &'static str,
     severity: Severity,
-    message: String,
+    message: Wording,
     line: u32,
 }
 

@@ -2,11 +2,12 @@
 
 mod place;
 
+use std::fmt;
 use std::sync::Arc;
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::codes;
-use dotgen_analysis::diagnostic::{Diagnostic, Severity};
+use dotgen_analysis::diagnostic::{Diagnostic, Severity, Wording};
 use dotgen_analysis::host::{
     AnalysisHost, BatchInput, Change, Config, FileContent, Input, Loader, UnitResult,
 };
@@ -37,7 +38,7 @@ pub struct Compiler {
     program: String,
     host: AnalysisHost,
     input: BatchInput,
-    reported: FxHashSet<(Utf8PathBuf, usize, &'static str, String)>,
+    reported: FxHashSet<(Utf8PathBuf, usize, &'static str, Wording)>,
     compiled: Compiled,
 }
 
@@ -148,9 +149,9 @@ impl Compiler {
 
     /// `BASENAME:LINE: TEXT`, as GenoM3 prints diagnostics.
     fn line(&self, diagnostic: &Diagnostic) -> String {
-        let (text, at) = match &diagnostic.reference {
-            Some(reference) => (reference.text.as_str(), reference.at),
-            None => (diagnostic.message.as_str(), diagnostic.range.start),
+        let (text, at): (&dyn fmt::Display, _) = match &diagnostic.reference {
+            Some(reference) => (&reference.text, reference.at),
+            None => (&diagnostic.message, diagnostic.range.start),
         };
         let line = match self.host.analysis().text(&diagnostic.path) {
             Ok(Some(text)) => {

@@ -7,22 +7,62 @@
 
 use std::fmt;
 
-/// The message of a finding.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+/// A message. It can be shown, but not searched or compared with a text, so that nothing depends on its
+/// words.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Wording {
-    /// The error itself; if the reference compiler reports it too, the words of that compiler.
-    pub what: String,
-    /// Advice on how to correct it, or the reason for it.
-    pub advice: Option<String>,
+    text: Box<str>,
+    /// The length of the error itself; if the reference compiler reports it too, the words of that compiler.
+    /// The rest is advice on how to correct it, or the reason for it.
+    what: u32,
+}
+
+impl Wording {
+    /// The error, with advice or a reason.
+    pub fn new(what: impl Into<String>, advice: Option<String>) -> Wording {
+        let text = what.into().into_boxed_str();
+        let mut wording = Wording { what: text.len() as u32, text };
+        if let Some(advice) = advice {
+            wording.advise(&advice);
+        }
+        wording
+    }
+
+    /// Appends advice.
+    pub fn advise(&mut self, more: &str) {
+        self.text = format!("{}; {more}", self.text).into();
+    }
+
+    /// Appends a text to the last sentence.
+    pub(crate) fn append(&mut self, text: &str) {
+        let has_advice = self.text.len() > self.what as usize;
+        self.text = format!("{}{text}", self.text).into();
+        if !has_advice {
+            self.what = self.text.len() as u32;
+        }
+    }
+
+    /// The error without advice and without the marks of names.
+    pub fn plain(&self) -> String {
+        self.text[..self.what as usize].replace('`', "")
+    }
+}
+
+impl<T: Into<String>> From<T> for Wording {
+    fn from(what: T) -> Wording {
+        Wording::new(what, None)
+    }
+}
+
+impl serde::Serialize for Wording {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&self.text)
+    }
 }
 
 impl fmt::Display for Wording {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.what)?;
-        match &self.advice {
-            Some(advice) => write!(f, "; {advice}"),
-            None => Ok(()),
-        }
+        f.write_str(&self.text)
     }
 }
 
@@ -60,10 +100,10 @@ macro_rules! findings {
             #[allow(unused_variables, reason = "not every field is part of the text")]
             pub fn wording(&self) -> $crate::finding::Wording {
                 match self {
-                    $( Self::$Variant $({ $($field),* })? => $crate::finding::Wording {
-                        what: format!($what),
-                        advice: [$(format!($advice))?].into_iter().next(),
-                    } ),*
+                    $( Self::$Variant $({ $($field),* })? => $crate::finding::Wording::new(
+                        format!($what),
+                        [$(format!($advice))?].into_iter().next(),
+                    ) ),*
                 }
             }
         }

@@ -120,8 +120,7 @@ impl SyntaxError {
     pub fn wording(&self) -> Wording {
         let mut wording = self.kind.wording();
         if let Some(name) = &self.in_macro {
-            let last = wording.advice.as_mut().unwrap_or(&mut wording.what);
-            last.push_str(&format!(" (in what the macro `{name}` expands to)"));
+            wording.append(&format!(" (in what the macro `{name}` expands to)"));
         }
         wording
     }

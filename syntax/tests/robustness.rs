@@ -21,7 +21,7 @@ fn check(text: &str) -> Parse {
     let end = root.text_range().end();
     for error in &parse.errors {
         assert!(error.range.end() <= end, "error outside the text: {error:?}");
-        assert!(!error.wording().what.is_empty());
+        assert!(!error.wording().to_string().is_empty());
     }
     for token in root
         .descendants_with_tokens()

@@ -2,8 +2,6 @@
 
 #[path = "architecture/imports.rs"]
 mod imports;
-#[path = "architecture/texts.rs"]
-mod texts;
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -5,6 +5,7 @@ pub mod remark;
 use std::ops::Range;
 
 use dotgen_analysis::model::Src;
+use dotgen_syntax::finding::Wording;
 
 use self::remark::Remark;
 
@@ -25,7 +26,7 @@ pub struct Diagnostic {
     pub code: &'static str,
     pub severity: Severity,
     /// Says what is wrong and what to do.
-    pub message: String,
+    pub message: Wording,
     /// Range of bytes in the scenario; empty at 0 if the problem has no place there.
     pub range: Range<usize>,
     /// Places in the specifications, the most important one first.
@@ -63,11 +64,15 @@ impl Place {
 }
 
 impl Diagnostic {
-    pub(crate) fn error(code: &'static str, range: Range<usize>, message: String) -> Self {
+    pub(crate) fn error(
+        code: &'static str,
+        range: Range<usize>,
+        message: impl Into<Wording>,
+    ) -> Self {
         Diagnostic {
             code,
             severity: Severity::Error,
-            message,
+            message: message.into(),
             range,
             places: Vec::new(),
             suggestion: None,
@@ -86,7 +91,7 @@ impl Diagnostic {
     }
 
     fn suggest(mut self, text: &str, is_word: bool) -> Self {
-        self.message.push_str(&format!("; did you mean `{text}`?"));
+        self.message.advise(&format!("did you mean `{text}`?"));
         self.suggestion = Some(Box::new(Suggestion { text: text.to_owned(), is_word }));
         self
     }
@@ -96,11 +101,15 @@ impl Diagnostic {
         Diagnostic { places: vec![place], ..self }
     }
 
-    pub(crate) fn warning(code: &'static str, range: Range<usize>, message: String) -> Self {
+    pub(crate) fn warning(
+        code: &'static str,
+        range: Range<usize>,
+        message: impl Into<Wording>,
+    ) -> Self {
         Diagnostic {
             code,
             severity: Severity::Warning,
-            message,
+            message: message.into(),
             range,
             places: Vec::new(),
             suggestion: None,

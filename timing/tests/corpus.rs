@@ -48,7 +48,7 @@ fn load(path: &Path) -> (Scenario, UnitResult) {
         .diagnostics
         .iter()
         .filter(|diagnostic| diagnostic.severity == dotgen_analysis::diagnostic::Severity::Error)
-        .map(|diagnostic| diagnostic.message.clone())
+        .map(|diagnostic| diagnostic.message.to_string())
         .collect();
     assert_eq!(errors, Vec::<String>::new());
     (parsed.scenario, unit)

@@ -547,8 +547,8 @@ fn what_can_only_be_rounded_proves_what_holds_with_more_runs_and_refutes_nothing
 #[test]
 fn periods_are_not_rounded() {
     let report = of_two("unit 4 ms; check schedulable *;");
-    let errors: Vec<&str> =
-        report.diagnostics.iter().map(|diagnostic| diagnostic.message.as_str()).collect();
+    let errors: Vec<String> =
+        report.diagnostics.iter().map(|diagnostic| diagnostic.message.to_string()).collect();
     assert_eq!(
         errors,
         [

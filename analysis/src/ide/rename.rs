@@ -344,7 +344,7 @@ fn check_meaning(
         let taken = || clash::taken(db, comparison, kind, new_name);
         if let Some(error) = comparison.new_errors.first() {
             // The error is about a text that is not visible to the user: the clash is more informative.
-            return Some(taken().unwrap_or_else(|| error.message.clone()));
+            return Some(taken().unwrap_or_else(|| error.message.to_string()));
         }
         let same = comparison.before.references == comparison.after.references
             && std::iter::zip(&comparison.before.definitions, &comparison.after.definitions).all(

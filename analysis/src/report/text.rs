@@ -13,7 +13,7 @@ use smol_str::SmolStr;
 use super::{fixes_at, shown};
 use crate::{
     base::{Db, FileStatus, SourceFile, lexed},
-    diagnostic::{Diagnostic, Related},
+    diagnostic::{Diagnostic, Related, Wording},
     finding::{FindingKind, files::FileProblem},
     fixes::{TextFix, near_include},
     source_map::{bytes, offset},
@@ -110,7 +110,7 @@ pub(super) fn related_at(
     db: &dyn Db,
     file: SourceFile,
     range: TextRange,
-    message: impl Into<String>,
+    message: impl Into<Wording>,
 ) -> Related {
     Related { path: file.path(db).clone(), range: bytes(range), message: message.into() }
 }

@@ -270,7 +270,7 @@ fn includes_that_double_are_cut_off() {
     let fixture = Fixture::new(&text);
     let unit = fixture.analysis().unit("/f0.gen".into()).unwrap();
     assert_eq!(unit.diagnostics[0].code, "pp-include-not-found");
-    assert!(unit.diagnostics[0].message.contains("4000 files"));
+    assert!(unit.diagnostics[0].message.to_string().contains("4000 files"));
 }
 
 #[test]

@@ -202,11 +202,8 @@ fn the_first_fix_is_what_the_message_advises() {
     let found = check(text(source), strict());
     let round = found.iter().find(|check| check.code == "fsm/busy-loop");
     let round = round.expect("it is reported");
-    assert!(
-        round.message.ends_with("yield `pause::step` if each round may wait"),
-        "{}",
-        round.message
-    );
+    let message = round.message.to_string();
+    assert!(message.ends_with("yield `pause::step` if each round may wait"), "{message}");
     assert_eq!(round.fixes[0].title, "Pause before `step`");
 }
 

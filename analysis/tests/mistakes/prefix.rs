@@ -53,7 +53,9 @@ fn strangers(component: &Component, item: &Item, end: usize) -> Vec<String> {
     text.replace_range(end..item.range.end, "\n");
     let is_user = |error: &Diagnostic| {
         let place = text.get(error.range.clone()).unwrap_or_default();
-        item.names.iter().any(|name| place.contains(name.as_str()) || error.message.contains(name))
+        item.names
+            .iter()
+            .any(|name| place.contains(name.as_str()) || error.message.to_string().contains(name))
     };
     let inside = item.range.start..=item.next + 1 - gone;
     let is_stranger = |error: &&Diagnostic| {

@@ -418,7 +418,11 @@ impl Builder<'_> {
                 MessageLevel::Warning => Severity::Warning,
                 MessageLevel::Note => {
                     if let Some(before) = out.last_mut() {
-                        before.related.push(Related { message: message.what.clone(), path, range });
+                        before.related.push(Related {
+                            message: message.what.as_str().into(),
+                            path,
+                            range,
+                        });
                     }
                     continue;
                 }
@@ -427,14 +431,15 @@ impl Builder<'_> {
             let mut around =
                 functions.iter().filter(|function| function.range.contains(&range.start));
             let codel = around.next().and_then(|function| function.codels.first());
-            let mut diagnostic = Diagnostic::new(CODE, severity, message.what.clone(), path, range);
+            let mut diagnostic =
+                Diagnostic::new(CODE, severity, message.what.as_str(), path, range);
             if let Some(&(component, codel)) = codel {
                 let unit = &self.folder.unit;
                 let codel = unit.spec.components[component].codel(codel);
                 diagnostic.related.extend(unit.locations.locate(codel.src).map(|at| Related {
                     path: at.path,
                     range: at.range,
-                    message: format!("the codel `{}` is declared here", codel.name),
+                    message: format!("the codel `{}` is declared here", codel.name).into(),
                 }));
             }
             if !out.contains(&diagnostic) {

@@ -162,7 +162,7 @@ pub(crate) fn entries(diagnostics: &[Diagnostic], texts: &Texts) -> Vec<Entry> {
         file: session::display(&diagnostic.path),
         severity: diagnostic.severity,
         code: diagnostic.code,
-        message: diagnostic.message.clone(),
+        message: diagnostic.message.to_string(),
         range: range(texts, &diagnostic.path, &diagnostic.range),
         related: diagnostic
             .related
@@ -170,7 +170,7 @@ pub(crate) fn entries(diagnostics: &[Diagnostic], texts: &Texts) -> Vec<Entry> {
             .map(|related| Related {
                 file: session::display(&related.path),
                 range: range(texts, &related.path, &related.range),
-                message: related.message.clone(),
+                message: related.message.to_string(),
             })
             .collect(),
         fixes: diagnostic.fixes.iter().map(|fix| mending(fix, texts)).collect(),

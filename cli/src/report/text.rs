@@ -125,7 +125,7 @@ fn render(diagnostic: &Diagnostic, texts: &Texts) -> String {
             "{}[{}]: {}\n  --> {}:{}:{}",
             name(diagnostic.severity),
             diagnostic.code,
-            terminal::text(&diagnostic.message),
+            terminal::text(&diagnostic.message.to_string()),
             shown(&diagnostic.path),
             position.line + 1,
             position.character + 1,
@@ -159,7 +159,7 @@ fn shown(path: &Utf8Path) -> String {
 /// Ranges of one file that are shown together.
 struct Excerpt<'d> {
     path: &'d Utf8PathBuf,
-    marks: Vec<(Range<usize>, Option<&'d str>)>,
+    marks: Vec<(Range<usize>, Option<String>)>,
 }
 
 fn main_group<'d>(diagnostic: &'d Diagnostic, texts: &'d Texts) -> Group<'d> {
@@ -173,14 +173,14 @@ fn main_group<'d>(diagnostic: &'d Diagnostic, texts: &'d Texts) -> Group<'d> {
             excerpt.path == &related.path
                 && first.zip(at).is_some_and(|(a, b)| a.abs_diff(b) <= MAX_SNIPPET_LINES)
         };
-        let mark = (related.range.clone(), Some(related.message.as_str()));
+        let mark = (related.range.clone(), Some(related.message.to_string()));
         match excerpts.iter_mut().find(near) {
             Some(excerpt) => excerpt.marks.push(mark),
             None => excerpts.push(Excerpt { path: &related.path, marks: vec![mark] }),
         }
     }
     let mut group = level(diagnostic.severity)
-        .primary_title(diagnostic.message.as_str())
+        .primary_title(diagnostic.message.to_string())
         .id(diagnostic.code)
         .elements(Vec::<Origin<'_>>::new());
     for (index, excerpt) in excerpts.iter().enumerate() {
@@ -215,7 +215,7 @@ fn add_excerpt<'d>(
             AnnotationKind::Context
         };
         let annotation: Annotation<'_> = kind.span(window.span(lines, range));
-        annotation.label(label.map(terminal::text))
+        annotation.label(label.as_deref().map(|label| terminal::text(label).into_owned()))
     });
     group.element(
         Snippet::source(window.text(lines))

@@ -16,6 +16,7 @@ use std::sync::Arc;
 
 use camino::Utf8PathBuf;
 pub use dotgen_analysis::diagnostic::Severity;
+use dotgen_analysis::diagnostic::Wording;
 use dotgen_analysis::model::{CodelRef, Component, ComponentId, Name, Owner, Src, TypeId};
 use rustc_hash::FxHashSet;
 
@@ -103,8 +104,8 @@ impl Drift {
     }
 
     /// A description of the difference and of the correct form.
-    pub fn message(&self) -> String {
-        self.kind.wording().to_string()
+    pub fn message(&self) -> Wording {
+        self.kind.wording()
     }
 }
 

@@ -128,7 +128,7 @@ impl Places<'_> {
     }
 
     fn related(&self, range: Range<usize>, message: &str) -> Related {
-        Related { path: self.path.to_owned(), range, message: message.to_owned() }
+        Related { path: self.path.to_owned(), range, message: message.into() }
     }
 
     fn tag(&self, tag: Tag) -> Range<usize> {

@@ -72,7 +72,7 @@ fn a_text_that_breaks_off_makes_no_orphans() {
         project.overlay(root(), text.to_owned());
         let report = check(&mut project, &[root()]);
         let orphans = report.findings.into_iter().filter(|finding| finding.code == "codel/orphan");
-        orphans.map(|orphan| orphan.message).collect()
+        orphans.map(|orphan| orphan.message.to_string()).collect()
     };
     let real = orphans(&text);
     assert!(!real.is_empty());

@@ -24,7 +24,9 @@ fn findings(project: &mut Project<'_>, root: &Utf8Path, text: &str) -> BTreeSet<
     let of_codels =
         report.findings.into_iter().filter(|finding| finding.code.starts_with("codel/"));
     let subject = |message: &str| message.split(": ").next().unwrap_or_default().to_owned();
-    of_codels.map(|finding| format!("{}: {}", finding.code, subject(&finding.message))).collect()
+    of_codels
+        .map(|finding| format!("{}: {}", finding.code, subject(&finding.message.to_string())))
+        .collect()
 }
 
 /// The items of a text, each with its start and the ends of its tokens.

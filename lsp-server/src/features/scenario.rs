@@ -104,8 +104,8 @@ fn diagnostics(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnost
     for mut diagnostic in elsewhere {
         let file = diagnostic.path.file_name().unwrap_or("a specification");
         diagnostic.message = match diagnostic.severity {
-            Severity::Error => format!("`{file}` has errors: {}", diagnostic.message),
-            _ => format!("`{file}`: {}", diagnostic.message),
+            Severity::Error => format!("`{file}` has errors: {}", diagnostic.message).into(),
+            _ => format!("`{file}`: {}", diagnostic.message).into(),
         };
         let used = problem::named(&problem.scenario, path);
         let used = used.into_iter().find(|used| used.path == diagnostic.path);

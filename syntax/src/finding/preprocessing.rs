@@ -176,8 +176,7 @@ impl Preprocessing {
                     "cannot find '{path}'\n  searched in {searched}; add its directory to the include path"
                 )
             }
-            Self::Unresolved { why, .. } => why.replace('`', ""),
-            _ => self.wording().to_string().replace('`', ""),
+            _ => self.wording().plain(),
         }
     }
 }

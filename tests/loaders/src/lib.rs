@@ -76,7 +76,7 @@ pub fn unit(text: &str) -> Result<UnitResult, String> {
     let unit = host.analysis().batch(&input).expect("nobody cancels");
     let mut errors = unit.diagnostics.iter();
     match errors.find(|error| error.severity == Severity::Error) {
-        Some(error) => Err(error.message.clone()),
+        Some(error) => Err(error.message.to_string()),
         None => Ok(unit),
     }
 }

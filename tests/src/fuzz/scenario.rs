@@ -16,7 +16,7 @@ pub(super) fn read(input: &[u8]) {
     let parse = scn::parse(&text);
     for error in &parse.errors {
         assert!(text.get(error.range.clone()).is_some(), "{error:?}");
-        assert!(!error.message.is_empty(), "{error:?}");
+        assert!(!error.message.to_string().is_empty(), "{error:?}");
     }
     if let Some(once) = scn::format(&text) {
         let solid = |text: &str| -> String { text.split_whitespace().collect() };

@@ -45,7 +45,10 @@ pub(super) fn analyse(input: &[u8]) {
     let analysis = host.analysis();
     let diagnostics = analysis.diagnostics(path).expect("nothing cancels");
     for diagnostic in &diagnostics {
-        assert!(!diagnostic.message.is_empty(), "a finding without words: {diagnostic:?}");
+        assert!(
+            !diagnostic.message.to_string().is_empty(),
+            "a finding without words: {diagnostic:?}"
+        );
         is_in(&text, &diagnostic.range);
         for fix in &diagnostic.fixes {
             for edit in fix.edits.iter().filter(|edit| edit.path == path) {

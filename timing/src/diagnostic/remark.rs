@@ -178,7 +178,7 @@ fn joined(group: &[&Diagnostic]) -> Diagnostic {
             }
         }
     }
-    out.message = words(first, &others);
+    out.message = words(first, &others).into();
     out
 }
 

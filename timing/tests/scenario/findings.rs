@@ -103,7 +103,7 @@ fn who_is_behind_the_head_of_the_lock_queue_is_told_for_how_long() {
     let diagnostic =
         (found.diagnostics.iter()).find(|diagnostic| diagnostic.code == "timing-lock-queue");
     assert_eq!(
-        diagnostic.map(|diagnostic| diagnostic.message.as_str()),
+        diagnostic.map(|diagnostic| diagnostic.message.to_string()).as_deref(),
         Some(
             "while c.look.start waits for c.slow.start, which takes up to 12 ms, the lock queue stands still: c.fast, which \
              shares nothing with it, waits behind and can miss its period of 10 ms; shorten what c.slow.start does with shared data, \
@@ -229,8 +229,8 @@ fn only_cores_that_are_taken_away_can_be_tied_to() {
     let input = SystemInput { specs: vec![&unit.spec] };
     let (options, cancel) = (Options::default(), Cancel::default());
     let report = verify(&input, &parsed.scenario, &options, &cancel);
-    let messages: Vec<&str> =
-        report.diagnostics.iter().map(|diagnostic| diagnostic.message.as_str()).collect();
+    let messages: Vec<String> =
+        report.diagnostics.iter().map(|diagnostic| diagnostic.message.to_string()).collect();
     assert_eq!(
         messages,
         [

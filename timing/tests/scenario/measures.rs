@@ -64,7 +64,8 @@ fn what_a_measure_names_is_checked() {
         let parsed = parse(&text).errors.into_iter();
         let report = report_of(DRIVE, &text);
         let found: Vec<_> = parsed.chain(report.diagnostics).collect();
-        let is_expected = |found: &Diagnostic| found.code == code && found.message.contains(said);
+        let is_expected =
+            |found: &Diagnostic| found.code == code && found.message.to_string().contains(said);
         assert!(found.iter().any(is_expected), "{items}: {found:?}");
     }
 }

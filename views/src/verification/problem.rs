@@ -255,7 +255,7 @@ impl Problem {
         let mut places = places.filter_map(|place| {
             let (path, range) = self.place(place.spec, place.src)?;
             let message = place.what.clone();
-            Some(Related { path, range, message })
+            Some(Related { path, range, message: message.into() })
         });
         if !self.is_written() || entry.range.is_empty() {
             (out.path, out.range) = match places.next() {

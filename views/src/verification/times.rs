@@ -64,7 +64,8 @@ impl Problem {
 
     /// Reports a file that no scenario names and that cannot be used.
     fn leave_out(&mut self, found: Diagnostic) {
-        let message = format!("{}; the file is left out", found.message);
+        let mut message = found.message.clone();
+        message.advise("the file is left out");
         self.warnings.push(Diagnostic { severity: Severity::Warning, message, ..found });
     }
 

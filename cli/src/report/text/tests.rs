@@ -48,7 +48,7 @@ fn place_explanation_and_fix_are_shown() {
     diagnostic.related.push(Related {
         path: "/robot/arm.gen".into(),
         range: find(ARM, "goal", 0),
-        message: "a port with a similar name".to_owned(),
+        message: "a port with a similar name".into(),
     });
     diagnostic.fixes.push(Fix {
         kind: FixKind::Guess,
@@ -72,7 +72,7 @@ fn explanations_in_other_files_get_their_own_snippet() {
     diagnostic.related.push(Related {
         path: "/robot/pose.idl".into(),
         range: find(POSE, "pose", 0),
-        message: "`pose` is declared here".to_owned(),
+        message: "`pose` is declared here".into(),
     });
     insta::assert_snapshot!(shown(&diagnostic, &texts));
 }

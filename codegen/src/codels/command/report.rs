@@ -1,7 +1,7 @@
 //! Findings as reports and as diagnostics of editors.
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::diagnostic::Severity;
+use dotgen_analysis::diagnostic::{Severity, Wording};
 use dotgen_analysis::source_map::Locations;
 use serde::Serialize;
 
@@ -48,7 +48,7 @@ pub struct Finding {
     pub severity: Severity,
     pub component: String,
     /// The description.
-    pub message: String,
+    pub message: Wording,
     /// The first place: in the source if it has one, else in the specification.
     pub at: Option<FindingPlace>,
     /// The places on the other side.

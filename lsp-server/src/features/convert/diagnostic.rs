@@ -31,7 +31,7 @@ pub(crate) fn to_proto(
             if let Some(location) = snapshot.location(&place.path, &place.range)? {
                 related.push(types::DiagnosticRelatedInformation {
                     location,
-                    message: place.message.clone(),
+                    message: place.message.to_string(),
                 });
             }
         }
@@ -49,7 +49,7 @@ pub(crate) fn to_proto(
         code: Some(types::NumberOrString::String(diagnostic.code.to_owned())),
         code_description: page.map(|href| types::CodeDescription { href }),
         source: Some(types::SOURCE.to_owned()),
-        message: diagnostic.message.clone(),
+        message: diagnostic.message.to_string(),
         related_information: (!related.is_empty()).then_some(related),
         tags: (!diagnostic.tags.is_empty()).then(|| tags.collect()),
         data: None,

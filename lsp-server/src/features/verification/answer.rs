@@ -164,7 +164,7 @@ impl Prepared {
 
     fn errors(&self) -> Vec<String> {
         let errors = self.problem.errors.iter();
-        errors.map(|error| error.message.clone()).collect()
+        errors.map(|error| error.message.to_string()).collect()
     }
 
     /// The problem and options to verify, or the errors that prevent it.
@@ -280,7 +280,7 @@ pub(crate) fn present(
     let mut warnings = Vec::new();
     for diagnostic in together(&report.diagnostics) {
         if diagnostic.severity == Severity::Error {
-            errors.push(diagnostic.message);
+            errors.push(diagnostic.message.to_string());
             continue;
         }
         let at = prepared.places.diagnostic(&diagnostic);

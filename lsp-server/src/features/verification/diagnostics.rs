@@ -175,7 +175,7 @@ fn at_use(problem: &Problem, entry: &dotgen_timing::diagnostic::Diagnostic) -> D
         let related = Related {
             path: std::mem::replace(&mut out.path, problem.path.clone()),
             range: std::mem::replace(&mut out.range, range.unwrap_or_default()),
-            message: place.what.clone(),
+            message: place.what.as_str().into(),
         };
         out.related.insert(0, related);
     }
@@ -319,7 +319,7 @@ fn related(entry: &Entry, answer: &Answer, check: &CheckReport) -> Vec<Related> 
             && matches!(event.kind, MomentKind::Wait | MomentKind::Begin)
             && let Some((path, range)) = place(entry.places(), event.src)
         {
-            let message = format!("{}: {}", unit.show(event.time), event.what);
+            let message = format!("{}: {}", unit.show(event.time), event.what).into();
             related.push(Related { path, range, message });
         }
     }

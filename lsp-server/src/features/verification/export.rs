@@ -113,7 +113,7 @@ impl ModelInput {
         let problem = &self.problem;
         let failures = |found: &mut dyn Iterator<Item = Diagnostic>| -> Vec<Reason> {
             let found = found.filter(|diagnostic| diagnostic.severity == Severity::Error);
-            found.map(|error| (error.message, error.path, error.range)).collect()
+            found.map(|error| (error.message.to_string(), error.path, error.range)).collect()
         };
         if !problem.errors.is_empty() {
             return Err(failures(&mut problem.errors.iter().cloned()));

@@ -111,9 +111,9 @@ pub(crate) async fn ask(
         })
     });
     let found = match work.await {
-        Ok(found) => {
-            found.map_err(|all| all.into_iter().map(|diagnostic| diagnostic.message).collect())
-        }
+        Ok(found) => found.map_err(|all| {
+            all.into_iter().map(|diagnostic| diagnostic.message.to_string()).collect()
+        }),
         Err(error) => {
             tracing::error!("the search for limits panicked: {error}");
             Err(vec!["the search failed; the log says more".to_owned()])
