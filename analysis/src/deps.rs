@@ -174,16 +174,16 @@ fn provider(name: &str) -> Provider {
 
 fn includes(db: &dyn Db, unit: UnitKey<'_>) -> Vec<Include> {
     let mut out: Vec<Include> = Vec::new();
-    let all = &visits(db, unit).visits;
+    let all = visits(db, unit).all();
     let walk = walk_unit(db, unit);
-    for (number, visit) in (0..).zip(all) {
+    for (number, visit) in all.iter_enumerated() {
         let by = visit.key.file(db).path(db);
         for (ordinal, include) in preprocessed(db, visit.key).includes.iter().enumerate() {
             let Some(request) = &include.request else {
                 continue;
             };
             let target = visit.includes.get(ordinal).copied().flatten();
-            let found = target.and_then(|target| all.get(target as usize));
+            let found = target.and_then(|target| all.get(target));
             let found = found.map(|target| target.key.file(db).path(db).clone());
             if out
                 .iter()

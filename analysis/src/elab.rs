@@ -35,11 +35,12 @@ mod words;
 use std::sync::Arc;
 
 use smol_str::SmolStr;
+use typed_index_collections::{TiSlice, TiVec};
 
 use crate::{
     finding::Finding,
     item_tree::ItemTree,
-    model::{Component, ComponentId, PortId, ServiceId, Spec, Src, TaskId, TypeId},
+    model::{Component, ComponentId, PortId, ServiceId, Spec, Src, TaskId, TypeId, VisitId},
     release::Release,
 };
 
@@ -48,7 +49,7 @@ use crate::{
 pub struct UnitInput<'a> {
     /// `visits[0]` is the root. One file may be visited several times, since other macros may be defined each
     /// time.
-    pub visits: &'a [Visit<'a>],
+    pub visits: &'a TiSlice<VisitId, Visit<'a>>,
     /// The release of GenoM3 that defines the language.
     pub release: Release,
 }
@@ -63,7 +64,7 @@ pub struct Visit<'a> {
     pub file: u32,
     /// The visits its active `#include` directives lead to, by ordinal; `None` for those that
     /// could not be followed.
-    pub includes: Vec<Option<u32>>,
+    pub includes: Vec<Option<VisitId>>,
     /// Path of the file, for messages.
     pub path: &'a str,
 }
@@ -80,14 +81,15 @@ pub struct Elaborated {
     /// One entry for each use of a name that was resolved, in the order of elaboration.
     pub references: Vec<Reference>,
     /// Everything declared, by [`DefId`].
-    pub definitions: Vec<Definition>,
+    pub definitions: TiVec<DefId, Definition>,
     /// One entry for each body of a component or interface, in the order in which they end.
     pub closings: Vec<BodyEnd>,
 }
 
-/// Index into [`Elaborated::definitions`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct DefId(pub u32);
+crate::model::ids::ids! {
+    /// Index into [`Elaborated::definitions`].
+    pub DefId
+}
 
 /// The kinds of declared entities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -205,7 +207,7 @@ impl Reference {
 
 impl Elaborated {
     pub fn definition(&self, id: DefId) -> &Definition {
-        &self.definitions[id.0 as usize]
+        &self.definitions[id]
     }
 
     /// The definitions around a definition, from the inside.

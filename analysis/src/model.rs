@@ -10,7 +10,7 @@
 
 pub mod fsm;
 pub mod gaps;
-mod ids;
+pub(crate) mod ids;
 pub mod layout;
 pub mod mutex;
 mod owner;
@@ -28,9 +28,9 @@ use typed_index_collections::TiVec;
 
 use crate::release::Release;
 pub use gaps::{Gap, Missing, SourceKind, UnknownDependencies};
-pub use ids::{ComponentId, PortId, RemoteId, ServiceId, TaskId};
+pub use ids::{ComponentId, PortId, RemoteId, ServiceId, TaskId, TypeId, VisitId};
 pub use owner::OwnerName;
-pub use types::{Label, Scope, ScopeKind, Type, TypeId, TypeKind, Value};
+pub use types::{Label, Scope, ScopeKind, Type, TypeKind, Value};
 
 /// A name as written in the specification.
 pub type Name = SmolStr;
@@ -46,7 +46,7 @@ pub type Seconds = Ratio<i128>;
 )]
 pub struct Src {
     /// Index of the visit (one inclusion of one file) in the unit.
-    pub visit: u32,
+    pub visit: VisitId,
     /// Ordinal of the top-level item in that file.
     pub item: u32,
     /// Ordinal of the node inside that item.
@@ -60,7 +60,7 @@ pub struct Spec {
     pub release: Release,
     /// Every type object in order of creation, anonymous ones included. A type that was declared
     /// twice (a forward declaration and its definition) has two entries.
-    pub types: Vec<Type>,
+    pub types: TiVec<TypeId, Type>,
     /// Components and interfaces, in order of first declaration.
     pub components: TiVec<ComponentId, Component>,
     /// Packages of all `#pragma requires`, in order, without repetition.
@@ -84,7 +84,7 @@ pub struct Spec {
 /// A part of the text in the body of a component or interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Body {
-    pub visit: u32,
+    pub visit: VisitId,
     /// The top-level item of the visit; `None` for the whole of a file that is included in the body.
     pub item: Option<u32>,
     pub component: ComponentId,
@@ -444,7 +444,7 @@ pub struct CodelRef {
 impl Spec {
     /// The type object of an id.
     pub fn ty(&self, id: TypeId) -> &Type {
-        &self.types[id.0 as usize]
+        &self.types[id]
     }
 
     /// The component or interface whose body contains a node.

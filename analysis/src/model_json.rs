@@ -206,7 +206,7 @@ impl Writer<'_> {
 
     fn types(&self) -> Json {
         let mut out = Object::default();
-        let ids = (0..self.spec.types.len() as u32).map(TypeId);
+        let ids = self.spec.types.keys();
         let mut named: Vec<(String, TypeId)> = ids
             .filter(|ty| self.spec.ty(*ty).name.is_some() && is_listed(&self.spec.ty(*ty).kind))
             .filter_map(|ty| Some((self.spec.full_name(ty)?, ty)))

@@ -5,6 +5,7 @@
 use std::sync::Arc;
 
 use smol_str::SmolStr;
+use typed_index_collections::ti_vec;
 
 use crate::{
     base::Db,
@@ -12,12 +13,11 @@ use crate::{
     elab::{self, Elaborated, UnitInput},
     finding::Finding,
     item_tree::{Item, ItemTree, Ptr},
-    lint, requirement,
-    unit::{UnitKey, item_tree, visits},
+    lint,
+    model::VisitId,
+    requirement,
+    unit::{UnitKey, item_tree, visits, walk::WalkId},
 };
-
-/// Visit index of the wrapper in the elaborator; the visits of the unit follow.
-pub(crate) const WRAPPER: u32 = 0;
 
 /// The elaboration of a unit. Cached only for the most recently used units: recomputing is cheaper than the
 /// memory.
@@ -28,10 +28,9 @@ pub(crate) fn elaborated<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Elabor
 
 /// The elaboration of a unit, computed now and not cached: for a query over very many units.
 pub(crate) fn elaborate<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Elaborated {
-    let visits = &visits(db, unit).visits;
-    let roots: Vec<u32> = (0..visits.len() as u32)
-        .filter(|&visit| visits[visit as usize].includer.is_none())
-        .collect();
+    let visits = visits(db, unit).all();
+    let roots: Vec<WalkId> =
+        visits.keys().filter(|&visit| visits[visit].includer.is_none()).collect();
     let wrapper = ItemTree {
         items: (0..roots.len() as u32)
             .map(|ordinal| Item::Include { ordinal, ptr: Ptr { item: ordinal, node: 0 } })
@@ -39,8 +38,8 @@ pub(crate) fn elaborate<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Elaborated 
     };
     let paths: Vec<SmolStr> =
         visits.iter().map(|visit| SmolStr::new(visit.key.file(db).path(db).as_str())).collect();
-    let after_wrapper = |visit: u32| visit + 1;
-    let mut input = vec![elab::Visit {
+    let after_wrapper = |visit: WalkId| VisitId(visit.0 + 1);
+    let mut input = ti_vec![elab::Visit {
         tree: &wrapper,
         file: u32::MAX,
         includes: roots.iter().map(|&root| Some(after_wrapper(root))).collect(),
@@ -54,7 +53,7 @@ pub(crate) fn elaborate<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Elaborated 
                 .includes
                 .iter()
                 .map(|include| {
-                    include.filter(|&include| visits[include as usize].reached).map(after_wrapper)
+                    include.filter(|&include| visits[include].reached).map(after_wrapper)
                 })
                 .collect(),
             path,
@@ -111,10 +110,7 @@ pub(crate) fn body_findings<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Bod
 /// Declarations of the root files of a unit that nothing uses.
 #[salsa::tracked]
 pub(crate) fn lint_unused<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<Finding>> {
-    let visits = &visits(db, unit).visits;
-    let is_root = |visit: u32| {
-        let visit = visit.checked_sub(WRAPPER + 1).and_then(|place| visits.get(place as usize));
-        visit.is_some_and(|visit| visit.includer.is_none())
-    };
+    let visits = visits(db, unit);
+    let is_root = |visit: VisitId| visits.of(visit).is_some_and(|visit| visit.includer.is_none());
     Arc::new(lint::unused(elaborated(db, unit), is_root))
 }

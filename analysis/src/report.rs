@@ -20,13 +20,13 @@ use crate::{
     finding::{Finding, FindingKind, Near, files::FileProblem, lints::LintWarning},
     fixes::{FixSite, TextFix, trial},
     model::Src,
-    queries::{WRAPPER, body_findings, elab_findings, lint_unused},
+    queries::{body_findings, elab_findings, lint_unused},
     source_map::{bytes, ptr, text_range},
     spelling::Spelling,
     suppress::suppressions,
     unit::{
         self, FileKey, UnitKey, Visits, parsed, preprocessed, roots_of, serving_visit,
-        unit_of_root, visits,
+        unit_of_root, visits, walk::WalkId,
     },
 };
 
@@ -42,7 +42,7 @@ pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<D
     let mut report =
         Reporter { db, visits: visits(db, unit), missing: UnreadParts::default(), out: Vec::new() };
     let mut seen = FxHashSet::default();
-    for (i, visit) in report.visits.visits.iter().enumerate() {
+    for (i, visit) in report.visits.all().iter_enumerated() {
         if visit.reached && seen.insert(visit.key) {
             report.missing.add(db, visit.key);
             report.text(i, visit.key);
@@ -113,7 +113,7 @@ struct Reporter<'db> {
 
 impl<'db> Reporter<'db> {
     /// Adds the diagnostics of one file's text.
-    fn text(&mut self, visit: usize, key: FileKey<'db>) {
+    fn text(&mut self, visit: WalkId, key: FileKey<'db>) {
         for report in text_report(self.db, key).iter() {
             self.out.push(report.clone());
             if report.code == dotgen_syntax::codes::AT_END {
@@ -123,12 +123,12 @@ impl<'db> Reporter<'db> {
     }
 
     /// Adds the place at which the includer of a visit continues.
-    fn included_from(&mut self, visit: usize) {
-        let Some((by, ordinal)) = self.visits.visits[visit].includer else {
+    fn included_from(&mut self, visit: WalkId) {
+        let Some((by, ordinal)) = self.visits.all()[visit].includer else {
             return;
         };
-        let by = self.visits.visits[by as usize].key;
-        if let Some(include) = preprocessed(self.db, by).includes.get(ordinal as usize) {
+        let by = self.visits.all()[by].key;
+        if let Some(include) = preprocessed(self.db, by).includes.get(ordinal) {
             let message = "included here; a declaration must end in the file in which it begins";
             self.related(by.file(self.db), include.range, message.into());
         }
@@ -203,7 +203,7 @@ impl<'db> Reporter<'db> {
     /// Removes findings that comments allow, and reports comments that allow nothing.
     fn suppress(&mut self) {
         let mut seen = FxHashSet::default();
-        for visit in &self.visits.visits {
+        for visit in self.visits.all() {
             if !visit.reached || !seen.insert(visit.key) {
                 continue;
             }
@@ -247,8 +247,7 @@ impl<'db> Reporter<'db> {
     }
 
     fn place(&self, src: Src) -> Option<(FileKey<'db>, TextRange)> {
-        let visit = src.visit.checked_sub(WRAPPER + 1)?;
-        let key = self.visits.visits.get(visit as usize)?.key;
+        let key = self.visits.of(src.visit)?.key;
         Some((key, unit::ranges(self.db, key).get(ptr(src))?))
     }
 

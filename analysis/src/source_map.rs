@@ -8,11 +8,12 @@ use dotgen_syntax::{
     line_index::{LineIndex, PositionEncoding},
     preproc::Element,
 };
+use typed_index_collections::TiVec;
 
 use crate::{
     base::{Db, lexed, line_index},
     item_tree::{Ptr, lower::PtrRanges},
-    model::Src,
+    model::{Src, VisitId},
     unit::{FileKey, UnitKey, parsed, preprocessed, ranges, text_facts, visits},
 };
 
@@ -48,7 +49,7 @@ pub trait Locations {
 #[derive(Clone)]
 pub struct UnitLocations {
     /// By visit, as the elaborator numbers them.
-    visits: Vec<Option<VisitPlaces>>,
+    visits: TiVec<VisitId, Option<VisitPlaces>>,
 }
 
 #[derive(Clone)]
@@ -115,7 +116,7 @@ pub struct MacroCall {
 
 impl UnitLocations {
     pub(crate) fn new<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> UnitLocations {
-        let places = visits(db, unit).visits.iter().map(|visit| {
+        let places = visits(db, unit).all().iter().map(|visit| {
             let file = visit.key.file(db);
             Some(VisitPlaces {
                 path: file.path(db).clone(),
@@ -147,7 +148,7 @@ impl UnitLocations {
 
     /// The macro calls in the file of an id, in text order.
     pub fn macro_calls(&self, src: Src) -> &[MacroCall] {
-        let visit = self.visits.get(src.visit as usize);
+        let visit = self.visits.get(src.visit);
         visit.and_then(Option::as_ref).map_or(&[], |places| &places.calls)
     }
 }
@@ -179,7 +180,7 @@ fn macro_calls<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<[MacroCall]> {
 
 impl Locations for UnitLocations {
     fn locate(&self, src: Src) -> Option<Location> {
-        let visit = self.visits.get(src.visit as usize)?.as_ref()?;
+        let visit = self.visits.get(src.visit)?.as_ref()?;
         let mut range = visit.ranges.get(ptr(src))?;
         if let Some(moved) = &visit.moved {
             range = text_range(&moved.range(&bytes(range))?);

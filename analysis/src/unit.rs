@@ -25,6 +25,7 @@ use dotgen_syntax::{
 };
 use rustc_hash::{FxHashMap, FxHashSet};
 use smol_str::SmolStr;
+use typed_index_collections::{TiSlice, TiVec};
 
 use crate::{
     base::{Db, SourceFile, lexed},
@@ -32,8 +33,10 @@ use crate::{
         ItemTree,
         lower::{self, Lowered, PtrRanges},
     },
+    model::VisitId,
     parallel,
 };
+use walk::WalkId;
 pub(crate) use walk::{STANDINS, is_standin, walk_unit};
 
 /// A translation unit: the inputs in order, as one wrapper text that includes them.
@@ -84,15 +87,26 @@ impl Hash for DirectiveEffect {
 /// The visits of a unit, ready to parse.
 #[derive(Debug, Clone, PartialEq, Eq, salsa::SalsaValue)]
 pub(crate) struct Visits<'db> {
-    pub(crate) visits: Vec<Visit<'db>>,
+    visits: Vec<Visit<'db>>,
+}
+
+impl<'db> Visits<'db> {
+    pub(crate) fn all(&self) -> &TiSlice<WalkId, Visit<'db>> {
+        TiSlice::from_ref(&self.visits)
+    }
+
+    /// A visit as the elaborator numbers it; `None` for the wrapper.
+    pub(crate) fn of(&self, id: VisitId) -> Option<&Visit<'db>> {
+        self.visits.get(usize::from(id).checked_sub(1)?)
+    }
 }
 
 /// One inclusion of one file. See `WalkVisit`.
 #[derive(Debug, Clone, PartialEq, Eq, salsa::SalsaValue)]
 pub(crate) struct Visit<'db> {
     pub(crate) key: FileKey<'db>,
-    pub(crate) includes: Vec<Option<u32>>,
-    pub(crate) includer: Option<(u32, u32)>,
+    pub(crate) includes: Vec<Option<WalkId>>,
+    pub(crate) includer: Option<(WalkId, usize)>,
     /// True if every include on the path is at a place that allows declarations.
     pub(crate) reached: bool,
     /// Equal for equal files.
@@ -114,16 +128,15 @@ pub(crate) fn mentioned(db: &dyn Db, file: SourceFile) -> MentionedWords {
 pub(crate) fn visits<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Visits<'db> {
     let walk = walk_unit(db, unit);
     let mut numbers: FxHashMap<SourceFile, u32> = FxHashMap::default();
-    let mut out: Vec<Visit<'db>> = Vec::with_capacity(walk.visits.len());
+    let mut out: TiVec<WalkId, Visit<'db>> = TiVec::with_capacity(walk.visits.len());
     for visit in &walk.visits {
         // An includer comes before its includes.
         let (fragment, reached) = match visit.includer {
             None => (Fragment::Specification, true),
             Some((by, ordinal)) => {
-                let by = out.get(by as usize);
-                let fragment = by
-                    .and_then(|by| include_fragments(db, by.key).get(ordinal as usize).copied())
-                    .flatten();
+                let by = out.get(by);
+                let fragment =
+                    by.and_then(|by| include_fragments(db, by.key).get(ordinal).copied()).flatten();
                 (
                     fragment.unwrap_or(Fragment::Specification),
                     fragment.is_some() && by.is_some_and(|by| by.reached),
@@ -159,7 +172,7 @@ pub(crate) fn visits<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Visits<'db> {
             file_number: *numbers.entry(visit.file).or_insert(next),
         });
     }
-    Visits { visits: out }
+    Visits { visits: out.raw }
 }
 
 /// The `#define`s of a file, active or not, by ordinal.
@@ -249,14 +262,14 @@ pub(crate) fn serving_visit<'db>(
     db: &'db dyn Db,
     unit: UnitKey<'db>,
     file: SourceFile,
-) -> Option<(u32, FileKey<'db>)> {
-    let of_file = |pair: &(usize, &Visit<'db>)| pair.1.key.file(db) == file;
-    let all = &visits(db, unit).visits;
-    let mut of_file = all.iter().enumerate().filter(of_file).peekable();
-    let first = of_file.peek().map(|(i, file)| (*i as u32, file.key));
+) -> Option<(WalkId, FileKey<'db>)> {
+    let of_file = |pair: &(WalkId, &Visit<'db>)| pair.1.key.file(db) == file;
+    let all = visits(db, unit).all();
+    let mut of_file = all.iter_enumerated().filter(of_file).peekable();
+    let first = of_file.peek().map(|(i, file)| (*i, file.key));
     of_file
         .find(|(_, visit)| visit.reached && !item_tree(db, visit.key).items.is_empty())
-        .map(|(i, file)| (i as u32, file.key))
+        .map(|(i, file)| (i, file.key))
         .or(first)
 }
 

@@ -5,7 +5,6 @@ use std::{fs, path::Path, sync::Arc};
 use camino::Utf8Path;
 use dotgen_analysis::{
     host::{AnalysisHost, BatchInput, Input},
-    model::TypeId,
     model_json,
 };
 use dotgen_loaders::EmptyLoader;
@@ -56,10 +55,10 @@ fn types(text: &str) -> String {
     assert!(unit.accepted(), "{:#?}", unit.diagnostics);
     let spec = &unit.spec;
     let mut out = String::new();
-    for (number, ty) in (0..).zip(&spec.types) {
+    for (id, ty) in spec.types.iter_enumerated() {
         let kind = format!("{:?}", ty.kind);
         let kind = kind.split([' ', '{']).next().unwrap_or_default();
-        let name = spec.full_name(TypeId(number)).unwrap_or_default();
+        let name = spec.full_name(id).unwrap_or_default();
         out.push_str(format!("{kind} {name}").trim_end());
         out.push('\n');
     }

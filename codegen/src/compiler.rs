@@ -302,7 +302,7 @@ fn narrow_literals(
     report: &mut dyn FnMut(&str),
 ) -> Arc<Spec> {
     let mut spec = Arc::clone(&unit.spec);
-    for (index, ty) in unit.spec.types.iter().enumerate() {
+    for (id, ty) in unit.spec.types.iter_enumerated() {
         let (TypeKind::Const { value, .. }, Some(name)) = (&ty.kind, &ty.name) else {
             continue;
         };
@@ -331,7 +331,7 @@ fn narrow_literals(
             "warning: constant {name}: GenoM3 keeps 32 bits of its literal, so generated code has {}",
             value_text(&unit.spec, &narrow)
         ));
-        if let TypeKind::Const { value, .. } = &mut Arc::make_mut(&mut spec).types[index].kind {
+        if let TypeKind::Const { value, .. } = &mut Arc::make_mut(&mut spec).types[id].kind {
             *value = narrow;
         }
     }

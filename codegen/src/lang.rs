@@ -566,8 +566,8 @@ pub fn nested(spec: &Spec, ty: TypeId) -> Vec<TypeId> {
     let kinds = |kind: &TypeKind| {
         matches!(kind, TypeKind::Struct { .. } | TypeKind::Union { .. } | TypeKind::Enum { .. })
     };
-    let all = spec.types.iter().enumerate();
+    let all = spec.types.iter_enumerated();
     all.filter(|(_, candidate)| candidate.parent == Some(ty) && kinds(&candidate.kind))
-        .map(|(index, _)| TypeId(index as u32))
+        .map(|(id, _)| id)
         .collect()
 }

@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use dotgen_analysis::model::{
-    self, Component, ComponentId, PortDir, Service, Spec, TypeId, TypeKind,
-};
+use dotgen_analysis::model::{self, Component, ComponentId, PortDir, Service, Spec, TypeKind};
 use dotgen_codegen::codels::schema;
 use dotgen_codegen::codels::value::{Values, is_input, is_output};
 use dotgen_runtime::hosts::RequestReply;
@@ -101,7 +99,7 @@ fn detail_of(spec: &Spec, exception: &str, bytes: &[u8]) -> Value {
         let what = String::from_utf8_lossy(bytes.get(..end).unwrap_or_default());
         return json!({"what": what});
     }
-    let ids = (0..spec.types.len() as u32).map(TypeId);
+    let ids = spec.types.keys();
     let mut exceptions = ids.filter(|&ty| matches!(spec.ty(ty).kind, TypeKind::Exception { .. }));
     let found = exceptions.find(|&ty| spec.full_name(ty).as_deref() == Some(exception));
     let value = found.and_then(|exception| Values::new(spec).decode(exception, bytes).ok());

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-use dotgen_analysis::model::{Component, ComponentKind, ScopeKind, Spec, Src, TypeId, TypeKind};
+use dotgen_analysis::model::{Component, ComponentKind, ScopeKind, Spec, Src, TypeKind};
 use dotgen_codegen::command::Ros2Packages;
 
 use crate::conversion::conversions;
@@ -123,7 +123,7 @@ fn types_of_modules(mapping: &mut Mapping<'_>, spec: &Spec, refused: &mut Vec<Re
 
 fn add_types(mapping: &mut Mapping<'_>, spec: &Spec, refused: &mut Vec<Refusal>) {
     let packages: BTreeSet<String> = mapping.packages().map(str::to_owned).collect();
-    for (ty, entry) in (0u32..).map(TypeId).zip(&spec.types) {
+    for (ty, entry) in spec.types.iter_enumerated() {
         let is_wanted = match &entry.kind {
             TypeKind::Struct { .. } | TypeKind::Union { .. } | TypeKind::Enum { .. } => true,
             TypeKind::Exception { members } => !members.is_empty(),

@@ -22,7 +22,7 @@ fn unit(text: &str) -> UnitResult {
 }
 
 fn type_of(spec: &Spec, name: &str) -> TypeId {
-    let mut all = (0..spec.types.len() as u32).map(TypeId);
+    let mut all = spec.types.keys();
     let found = all.find(|&ty| spec.full_name(ty).as_deref() == Some(name));
     found.unwrap_or_else(|| panic!("no `{name}`"))
 }

@@ -209,6 +209,5 @@ fn thrown_elsewhere(spec: &Spec, owner: &Owner<'_>, name: &str) -> Option<TypeId
     if owner.throws.iter().any(|&exception| is_it(spec.ty(exception))) {
         return None;
     }
-    let index = spec.types.iter().position(is_it)?;
-    u32::try_from(index).ok().map(TypeId)
+    spec.types.position(is_it)
 }

@@ -318,11 +318,11 @@ impl<'a> Elaborator<'a> {
         };
         // A state and its paused form have one definition.
         let other = self.scopes.get(other).names.get(&name.text);
-        let def = self.type_defs[event.0 as usize].or_else(|| self.type_defs[other?.0 as usize]);
+        let def = self.type_defs[event].or_else(|| self.type_defs[*other?]);
         match def {
-            Some(def) if self.definitions[def.0 as usize].kind == DefKind::State => {
-                self.type_defs[event.0 as usize] = Some(def);
-                if self.definitions[def.0 as usize].src != at {
+            Some(def) if self.definitions[def].kind == DefKind::State => {
+                self.type_defs[event] = Some(def);
+                if self.definitions[def].src != at {
                     self.refer(at, def);
                 }
             }

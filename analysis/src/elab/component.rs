@@ -63,7 +63,7 @@ impl<'a> Elaborator<'a> {
                 ComponentKind::Interface => ("a component", "an interface"),
             };
 
-            let place = self.definitions[def.0 as usize].src;
+            let place = self.definitions[def].src;
             self.report(
                 Finding::new(NameProblem::OtherKind { name: known.name.clone(), was, is }, at)
                     .related(place, Role::FirstDeclared),
@@ -255,7 +255,7 @@ impl<'a> Elaborator<'a> {
         let Some(ids) = self.spec.components[c].ids else {
             return;
         };
-        if let TypeKind::Struct { members } = &mut self.spec.types[ids.0 as usize].kind {
+        if let TypeKind::Struct { members } = &mut self.spec.types[ids].kind {
             members.extend(added);
         }
         self.move_to_end(ids);
@@ -368,9 +368,9 @@ impl<'a> Elaborator<'a> {
         let alias = provided && self.spec.release.has(Change::ProvidedPortTypes);
         let kind = if alias { TypeKind::Typedef { ty: port.ty } } else { kind };
         let ty = self.named(kind, scope, port.name.clone(), port.src);
-        self.type_defs[ty.0 as usize] = Some(def);
+        self.type_defs[ty] = Some(def);
         if port.imported_from.is_none() {
-            self.definitions[def.0 as usize].ty = Some(ty);
+            self.definitions[def].ty = Some(ty);
             self.set_entity(def, Entity::Port(c, number));
         }
         self.declare_at(scope, &port.name, at, ty);

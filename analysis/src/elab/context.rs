@@ -5,7 +5,7 @@ use crate::finding::role::Role;
 use std::{cell::Cell, sync::Arc};
 
 use rustc_hash::{FxHashMap, FxHashSet};
-use typed_index_collections::TiVec;
+use typed_index_collections::{TiSlice, TiVec};
 
 use super::{
     AccessKind, BodyEnd, DefId, DefKind, Definition, Elaborated, Entity, Reference, UnitInput,
@@ -17,7 +17,7 @@ use super::{
 use crate::{
     finding::{Finding, FindingKind, Near, Severity, lints::LintWarning, names::NameProblem},
     item_tree::{Item, Name, Ptr},
-    model::{Body, ComponentId, Name as Text, Spec, Src, Type, TypeId, TypeKind},
+    model::{Body, ComponentId, Name as Text, Spec, Src, Type, TypeId, TypeKind, VisitId},
 };
 
 /// Maximum nesting of includes. The preprocessor allows 100; this limit only stops the recursion on malformed
@@ -29,9 +29,9 @@ const MAX_HINTS: u32 = 100;
 
 /// An elaboration in progress.
 pub(super) struct Elaborator<'a> {
-    pub(super) visits: &'a [Visit<'a>],
+    pub(super) visits: &'a TiSlice<VisitId, Visit<'a>>,
     /// The visit being read.
-    pub(super) visit: u32,
+    pub(super) visit: VisitId,
     include_depth: usize,
 
     pub(super) spec: Spec,
@@ -44,11 +44,11 @@ pub(super) struct Elaborator<'a> {
     pub(super) container: Option<DefId>,
 
     /// By [`TypeId`]: the definition of a type object.
-    pub(super) type_defs: Vec<Option<DefId>>,
+    pub(super) type_defs: TiVec<TypeId, Option<DefId>>,
     /// By [`TypeId`]: place in the order of creation, which differs from the id only for the ids.
-    pub(super) type_order: Vec<u32>,
+    pub(super) type_order: TiVec<TypeId, u32>,
     /// By [`TypeId`]: the type behind its aliases when it was created. Chains of aliases are followed once.
-    behind: Vec<TypeId>,
+    behind: TiVec<TypeId, TypeId>,
     /// Members of ids that were imported, and the members they are copies of.
     pub(super) origins: FxHashMap<TypeId, TypeId>,
     next_order: u32,
@@ -80,7 +80,7 @@ pub(super) struct Elaborator<'a> {
     references: Vec<Reference>,
     /// Names in lists of services that are already recorded: bodies may end several times.
     pub(super) listed: FxHashSet<Src>,
-    pub(super) definitions: Vec<Definition>,
+    pub(super) definitions: TiVec<DefId, Definition>,
     pub(super) closings: Vec<BodyEnd>,
     /// Set while contents of an interface are resolved again for an importing component: their names were
     /// recorded when the interface was read.
@@ -108,16 +108,16 @@ impl<'a> Elaborator<'a> {
     pub(super) fn new(unit: &UnitInput<'a>) -> Self {
         Self {
             visits: unit.visits,
-            visit: 0,
+            visit: VisitId(0),
             include_depth: 0,
             spec: Spec { release: unit.release, ..Spec::default() },
             scopes: Scopes::new(),
             scope: GLOBAL,
             component: None,
             container: None,
-            type_defs: Vec::new(),
-            type_order: Vec::new(),
-            behind: Vec::new(),
+            type_defs: TiVec::new(),
+            type_order: TiVec::new(),
+            behind: TiVec::new(),
             origins: FxHashMap::default(),
             next_order: 0,
             forwards: Vec::new(),
@@ -135,7 +135,7 @@ impl<'a> Elaborator<'a> {
             repeated_imports: FxHashSet::default(),
             references: Vec::new(),
             listed: FxHashSet::default(),
-            definitions: Vec::new(),
+            definitions: TiVec::new(),
             closings: Vec::new(),
             importing: None,
         }
@@ -167,10 +167,10 @@ impl<'a> Elaborator<'a> {
                 visit(self, item);
                 continue;
             };
-            let here = self.visits.get(self.visit as usize);
+            let here = self.visits.get(self.visit);
             let target = here.and_then(|visit| *visit.includes.get(*ordinal as usize)?);
             let Some(target) = target else { continue };
-            let Some(included) = self.visits.get(target as usize) else {
+            let Some(included) = self.visits.get(target) else {
                 continue;
             };
             if self.include_depth >= MAX_INCLUDE_DEPTH {
@@ -189,7 +189,7 @@ impl<'a> Elaborator<'a> {
 
     /// The file being read.
     pub(super) fn file(&self) -> u32 {
-        self.visits.get(self.visit as usize).map_or(0, |visit| visit.file)
+        self.visits.get(self.visit).map_or(0, |visit| visit.file)
     }
 
     /// A node of the visit being read.
@@ -298,7 +298,7 @@ impl<'a> Elaborator<'a> {
     }
 
     fn push_type(&mut self, ty: Type) -> TypeId {
-        let id = TypeId(self.spec.types.len() as u32);
+        let id = self.spec.types.next_key();
         self.behind.push(match ty.kind {
             TypeKind::Typedef { ty }
             | TypeKind::StructMember { ty }
@@ -315,13 +315,13 @@ impl<'a> Elaborator<'a> {
 
     /// Moves a type object to the end of the order of creation.
     pub(super) fn move_to_end(&mut self, id: TypeId) {
-        self.type_order[id.0 as usize] = self.next_order;
+        self.type_order[id] = self.next_order;
         self.next_order += 1;
     }
 
     /// [`Spec::resolve_alias`], in constant time.
     pub(super) fn resolve_alias(&self, id: TypeId) -> TypeId {
-        self.spec.resolve_alias(self.behind.get(id.0 as usize).copied().unwrap_or(id))
+        self.spec.resolve_alias(self.behind.get(id).copied().unwrap_or(id))
     }
 
     /// A type in the place of an unresolved one.
@@ -345,7 +345,7 @@ impl<'a> Elaborator<'a> {
         node: Src,
         ty: Option<TypeId>,
     ) -> DefId {
-        let id = DefId(self.definitions.len() as u32);
+        let id = self.definitions.next_key();
         self.definitions.push(Definition {
             id,
             kind,
@@ -357,7 +357,7 @@ impl<'a> Elaborator<'a> {
             entity: None,
         });
         if let Some(ty) = ty {
-            let slot = &mut self.type_defs[ty.0 as usize];
+            let slot = &mut self.type_defs[ty];
             if slot.is_none() {
                 *slot = Some(id);
             }
@@ -366,7 +366,7 @@ impl<'a> Elaborator<'a> {
     }
 
     pub(super) fn set_entity(&mut self, def: DefId, entity: Entity) {
-        self.definitions[def.0 as usize].entity = Some(entity);
+        self.definitions[def].entity = Some(entity);
     }
 
     /// Adds a type object to a scope, or reports the reason why it cannot be there.
@@ -412,8 +412,7 @@ impl<'a> Elaborator<'a> {
             }
             Clash::Scope(child) => {
                 let def = self.scopes.get(child).def;
-                let what = match def.map(|definition| self.definitions[definition.0 as usize].kind)
-                {
+                let what = match def.map(|definition| self.definitions[definition].kind) {
                     Some(DefKind::Component) => "a component",
                     Some(DefKind::Interface) => "an interface",
                     Some(DefKind::Module) => "a module",
@@ -424,7 +423,7 @@ impl<'a> Elaborator<'a> {
                     Finding::new(NameProblem::ClashWithScope { name: name.clone(), what }, at);
                 match def {
                     Some(def) => {
-                        let place = self.definitions[def.0 as usize].src;
+                        let place = self.definitions[def].src;
                         diagnostic.related(place, Role::FirstDeclared)
                     }
                     None => diagnostic,
@@ -436,7 +435,7 @@ impl<'a> Elaborator<'a> {
                     Finding::new(NameProblem::ClashWithEnclosing { name: name.clone() }, at);
                 match def {
                     Some(def) => {
-                        let place = self.definitions[def.0 as usize].src;
+                        let place = self.definitions[def].src;
                         diagnostic.related(place, Role::Is(name.clone()))
                     }
                     None => diagnostic,
@@ -455,8 +454,8 @@ impl<'a> Elaborator<'a> {
 
     /// The declaration of a type object, if it was declared in a text.
     pub(super) fn type_place(&self, ty: TypeId) -> Option<Src> {
-        let def = self.type_defs[ty.0 as usize]?;
-        Some(self.definitions[def.0 as usize].src)
+        let def = self.type_defs[ty]?;
+        Some(self.definitions[def].src)
     }
 
     /// Runs `inside` with another current scope and container.
@@ -475,7 +474,7 @@ impl<'a> Elaborator<'a> {
     }
 
     /// Runs `inside` in the context of another visit.
-    pub(super) fn in_visit<R>(&mut self, visit: u32, inside: impl FnOnce(&mut Self) -> R) -> R {
+    pub(super) fn in_visit<R>(&mut self, visit: VisitId, inside: impl FnOnce(&mut Self) -> R) -> R {
         let outer = std::mem::replace(&mut self.visit, visit);
         let result = inside(self);
         self.visit = outer;
@@ -491,7 +490,7 @@ impl<'a> Elaborator<'a> {
 
     /// Records the use of a type object's name.
     pub(super) fn refer_type(&mut self, at: Src, ty: TypeId) {
-        if let Some(def) = self.type_defs[ty.0 as usize] {
+        if let Some(def) = self.type_defs[ty] {
             self.refer(at, def);
         }
     }

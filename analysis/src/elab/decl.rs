@@ -84,7 +84,7 @@ impl<'a> Elaborator<'a> {
             let is_module = self.scopes.get(scope).kind == ScopeKind::Module;
             let def = self.scopes.get(scope).def;
             if is_module && let Some(def) = def {
-                let known = self.definitions[def.0 as usize].kind;
+                let known = self.definitions[def].kind;
                 if kind == DefKind::Module || known == kind {
                     self.refer_as(at, def, AccessKind::Declaration);
                 } else if known == DefKind::Module {
@@ -173,7 +173,7 @@ impl<'a> Elaborator<'a> {
                 _ => false,
             };
             if same {
-                if let Some(def) = self.type_defs[previous.0 as usize] {
+                if let Some(def) = self.type_defs[previous] {
                     self.refer_as(at, def, AccessKind::Declaration);
                 }
                 return;
@@ -252,10 +252,10 @@ impl<'a> Elaborator<'a> {
         if let Some(clash) = clash {
             self.report_clash(self.scope, &name.text, at, clash);
         }
-        let known = completes.and_then(|ty| self.type_defs[ty.0 as usize]);
+        let known = completes.and_then(|ty| self.type_defs[ty]);
         let def = match known {
             Some(def) => {
-                let definition = &mut self.definitions[def.0 as usize];
+                let definition = &mut self.definitions[def];
                 let earlier = std::mem::replace(&mut definition.src, at);
                 definition.node = node;
                 self.refer_as(earlier, def, AccessKind::Declaration);
@@ -272,11 +272,11 @@ impl<'a> Elaborator<'a> {
     /// Creates the type whose scope [`Self::open_type`] opened.
     pub(super) fn close_type(&mut self, name: &Name, inside: &OpenBody, kind: TypeKind) -> TypeId {
         let id = self.named(kind, self.scope, name.text.clone(), inside.at);
-        self.type_defs[id.0 as usize] = Some(inside.def);
-        self.definitions[inside.def.0 as usize].ty = Some(id);
+        self.type_defs[id] = Some(inside.def);
+        self.definitions[inside.def].ty = Some(id);
         if let Some(forward) = inside.completes
             && let TypeKind::ForwardStruct { definition } | TypeKind::ForwardUnion { definition } =
-                &mut self.spec.types[forward.0 as usize].kind
+                &mut self.spec.types[forward].kind
         {
             *definition = Some(id);
         }
@@ -291,7 +291,7 @@ impl<'a> Elaborator<'a> {
     /// Makes `parent` the parent of the types declared in its scope.
     pub(super) fn adopt(&mut self, scope: ScopeId, parent: TypeId) {
         for &ty in self.scopes.get(scope).names.values() {
-            let ty = &mut self.spec.types[ty.0 as usize];
+            let ty = &mut self.spec.types[ty];
             if matches!(
                 ty.kind,
                 TypeKind::Struct { .. }
@@ -352,8 +352,7 @@ impl<'a> Elaborator<'a> {
         let at = self.src(name.ptr);
         let def = self.define(DefKind::Enum, &name.text, at, node, None);
         // The enum follows its enumerators in the order of creation, but they refer to it.
-        let first = self.spec.types.len() as u32;
-        let id = TypeId(first + enumerators.len() as u32);
+        let id = TypeId::from(self.spec.types.len() + enumerators.len());
         let mut values = Vec::with_capacity(enumerators.len());
         for (value, enumerator) in (0..).zip(enumerators) {
             let at = self.src(enumerator.ptr);
@@ -368,8 +367,8 @@ impl<'a> Elaborator<'a> {
         let kind = TypeKind::Enum { enumerators: values };
         let created = self.named(kind, self.scope, name.text.clone(), at);
         debug_assert_eq!(created, id);
-        self.type_defs[created.0 as usize] = Some(def);
-        self.definitions[def.0 as usize].ty = Some(created);
+        self.type_defs[created] = Some(def);
+        self.definitions[def].ty = Some(created);
         self.declare(self.scope, name, created);
         created
     }

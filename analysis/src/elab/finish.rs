@@ -5,12 +5,13 @@ use smol_str::SmolStr;
 use std::sync::Arc;
 
 use num_rational::Ratio;
+use typed_index_collections::{TiSlice, TiVec};
 
 use super::{Elaborated, context::Elaborator, property::to_f64};
 use crate::finding::{Finding, names::NameProblem, values::ValueProblem};
 use crate::model::{
     ComponentId, ComponentKind, Gap, Missing, Quantity, Seconds, Spec, Src, TypeId, TypeKind,
-    visit::TypeIds,
+    VisitId, visit::TypeIds,
 };
 use crate::release::Change;
 use crate::unit::is_standin;
@@ -28,13 +29,13 @@ impl Elaborator<'_> {
     /// Records the types and interfaces that stand-ins declare.
     fn note_stand_ins(&mut self) {
         let visits = self.visits;
-        let is_standin: Vec<bool> =
+        let is_standin: TiVec<VisitId, bool> =
             visits.iter().map(|visit| is_standin(visit.path.as_ref())).collect();
         if !is_standin.contains(&true) {
             return;
         }
-        let invented = |at: Src| is_standin.get(at.visit as usize) == Some(&true);
-        let ids = (0u32..).map(TypeId).zip(&self.spec.types);
+        let invented = |at: Src| is_standin.get(at.visit) == Some(&true);
+        let ids = self.spec.types.iter_enumerated();
         let open = ids.filter(|(_, ty)| ty.name.is_some() && invented(ty.src));
         self.spec.open = open.map(|(id, _)| id).collect();
         let components = self.spec.components.iter_enumerated();
@@ -211,18 +212,18 @@ fn is_multiple(time: Seconds, rate: Seconds) -> bool {
 ///
 /// Types are numbered in order of construction, so only the ids can be out of order: they move to the end
 /// each time members are added.
-fn order_types(result: &mut Elaborated, order: &[u32]) {
+fn order_types(result: &mut Elaborated, order: &TiSlice<TypeId, u32>) {
     if order.is_sorted() {
         return;
     }
-    let mut by_order: Vec<u32> = (0..order.len() as u32).collect();
-    by_order.sort_by_key(|ty| order[*ty as usize]);
-    let mut new_ids = vec![TypeId(0); order.len()];
-    for (new, old) in (0..).zip(&by_order) {
-        new_ids[*old as usize] = TypeId(new);
+    let mut by_order: Vec<TypeId> = order.keys().collect();
+    by_order.sort_by_key(|ty| order[*ty]);
+    let mut new_ids: TiVec<TypeId, TypeId> = order.keys().collect();
+    for (new, old) in new_ids.keys().zip(&by_order) {
+        new_ids[*old] = new;
     }
     let mut renumber = |id: &mut TypeId| {
-        if let Some(new) = new_ids.get(id.0 as usize) {
+        if let Some(new) = new_ids.get(*id) {
             *id = *new;
         }
     };
@@ -240,7 +241,8 @@ fn order_types(result: &mut Elaborated, order: &[u32]) {
     }
 }
 
-fn reorder(spec: &mut Spec, by_order: &[u32]) {
-    let mut old: Vec<Option<_>> = std::mem::take(&mut spec.types).into_iter().map(Some).collect();
-    spec.types = by_order.iter().filter_map(|order| old.get_mut(*order as usize)?.take()).collect();
+fn reorder(spec: &mut Spec, by_order: &[TypeId]) {
+    let mut old: TiVec<TypeId, Option<_>> =
+        std::mem::take(&mut spec.types).into_iter().map(Some).collect();
+    spec.types = by_order.iter().filter_map(|id| old.get_mut(*id)?.take()).collect();
 }

@@ -304,7 +304,7 @@ impl<'a> Elaborator<'a> {
         };
         if let Some(own) = self.spec.components[c].ids.filter(|_| first) {
             // Templates see the origin of the members.
-            self.spec.types[own.0 as usize].src = self.spec.ty(theirs).src;
+            self.spec.types[own].src = self.spec.ty(theirs).src;
         }
         let mut added: Vec<TypeId> = Vec::new();
         for member in members {
@@ -322,7 +322,7 @@ impl<'a> Elaborator<'a> {
                     let kind = self.spec.ty(member).kind.clone();
                     let src = self.spec.ty(member).src;
                     let copy = self.named(kind, scope, name.clone(), src);
-                    self.type_defs[copy.0 as usize] = self.type_defs[member.0 as usize];
+                    self.type_defs[copy] = self.type_defs[member];
                     self.origins.insert(copy, origin);
                     self.scopes.get_mut(scope).names.insert(name, copy);
                     added.push(copy);

@@ -30,7 +30,7 @@ impl<'a> Elaborator<'a> {
         let id = self.unknown(at);
         if let Some((last, scopes)) = path.segments.split_last() {
             let module = |name: &Name| Scope { kind: ScopeKind::Module, name: name.text.clone() };
-            let ty = &mut self.spec.types[id.0 as usize];
+            let ty = &mut self.spec.types[id];
             ty.name = Some(last.text.clone());
             ty.scope = scopes.iter().map(module).collect();
         }
@@ -77,7 +77,7 @@ impl<'a> Elaborator<'a> {
         let named = first.map_or_else(|| name.clone(), |name| name.text.clone());
         let ty = self.named(TypeKind::Unknown, scope, named, src);
         if let Some((name, scope)) = self.inside_unknown() {
-            let ty = &mut self.spec.types[ty.0 as usize];
+            let ty = &mut self.spec.types[ty];
             (ty.name, ty.scope) = (Some(name), scope);
         }
         Some(Param {
@@ -105,7 +105,7 @@ impl<'a> Elaborator<'a> {
     /// Returns true if a type is declared by a stand-in, with unknown members.
     pub(super) fn is_from_stand_in(&self, ty: TypeId) -> bool {
         let last = resolve_aliases(&self.spec, ty);
-        let visit = self.visits.get(self.spec.ty(last).src.visit as usize);
+        let visit = self.visits.get(self.spec.ty(last).src.visit);
         visit.is_some_and(|visit| is_standin(visit.path.as_ref()))
     }
 

@@ -232,7 +232,7 @@ impl<'a> Elaborator<'a> {
                     .zip([a, b])
                     .filter_map(|(def, target)| Some((def?, target)))
                     .fold(diagnostic, |diagnostic, (def, target)| {
-                        let place = self.definitions[def.0 as usize].src;
+                        let place = self.definitions[def].src;
                         diagnostic.related(place, Role::Meaning(target.describe()))
                     });
                 self.report(diagnostic);
@@ -295,7 +295,7 @@ impl<'a> Elaborator<'a> {
     ) -> Option<DefId> {
         let state = &self.components[c];
         match target {
-            Target::Ids(member) => self.type_defs[member.0 as usize],
+            Target::Ids(member) => self.type_defs[member],
             Target::Local(local) => {
                 let service = state.services.get(service?)?;
                 service.params.get(local as usize).copied()
@@ -328,7 +328,7 @@ impl<'a> Elaborator<'a> {
             self.report_no_ids(c, at);
             return None;
         };
-        if let Some(def) = self.type_defs[ids.0 as usize] {
+        if let Some(def) = self.type_defs[ids] {
             self.refer_as(self.src(rename.ptr), def, access);
         }
         Some(Param {

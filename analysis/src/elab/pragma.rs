@@ -60,7 +60,7 @@ impl<'a> Elaborator<'a> {
             self.error(at, NameProblem::MasqueradeUnknown { name: name.clone() });
             return;
         };
-        let known = &mut self.spec.types[ty.0 as usize].masquerade;
+        let known = &mut self.spec.types[ty].masquerade;
         if known.iter().any(|(name, _)| name == template.as_str()) {
             self.error(
                 at,

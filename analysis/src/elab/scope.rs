@@ -1,13 +1,15 @@
 //! The tree of scopes and the lookup rules (language reference, section 5).
 
 use rustc_hash::FxHashMap;
+use typed_index_collections::{TiVec, ti_vec};
 
 use super::DefId;
 use crate::model::{Name, Scope, ScopeKind, TypeId};
 
-/// Index into [`Scopes`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) struct ScopeId(u32);
+crate::model::ids::ids! {
+    /// Index into [`Scopes`].
+    pub(super) ScopeId
+}
 
 pub(super) const GLOBAL: ScopeId = ScopeId(0);
 
@@ -29,7 +31,7 @@ pub(super) struct ScopeData {
 
 #[derive(Debug)]
 pub(super) struct Scopes {
-    all: Vec<ScopeData>,
+    all: TiVec<ScopeId, ScopeData>,
 }
 
 /// The reason why a name cannot be declared in a scope.
@@ -54,15 +56,15 @@ impl Scopes {
             def: None,
             path: Vec::new(),
         };
-        Self { all: vec![global] }
+        Self { all: ti_vec![global] }
     }
 
     pub(super) fn get(&self, id: ScopeId) -> &ScopeData {
-        &self.all[id.0 as usize]
+        &self.all[id]
     }
 
     pub(super) fn get_mut(&mut self, id: ScopeId) -> &mut ScopeData {
-        &mut self.all[id.0 as usize]
+        &mut self.all[id]
     }
 
     /// Creates a scope inside `parent`, and adds it there unless it is `detached` (because its name was
@@ -75,7 +77,7 @@ impl Scopes {
         def: Option<DefId>,
         detached: bool,
     ) -> ScopeId {
-        let id = ScopeId(self.all.len() as u32);
+        let id = self.all.next_key();
         let mut path = self.get(parent).path.clone();
         path.push(Scope { kind, name: name.clone() });
         self.all.push(ScopeData {

@@ -135,7 +135,7 @@ impl<'a> Elaborator<'a> {
     ) {
         let position = self.spec.components[c].services[service].params.len() as u32;
         let def = self.define(kind, &param.name, name_src, node, None);
-        self.definitions[def.0 as usize].ty = Some(param.ty);
+        self.definitions[def].ty = Some(param.ty);
         self.set_entity(def, Entity::Param(c, service, position));
         self.push_param(c, service, param, def);
     }

@@ -10,7 +10,7 @@ use crate::{
     item_tree::{CodelDecl, ParamDecl},
     model::{
         CodelKind, ComponentId, Name as Text, ParamDir, PortId, RemoteId, Seconds, ServiceId, Src,
-        TaskId, TypeId,
+        TaskId, TypeId, VisitId,
     },
     release::{Change, Release},
 };
@@ -84,7 +84,7 @@ pub(super) struct ServiceState<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PathSource<'a> {
     pub(super) decl: &'a ParamDecl,
-    pub(super) visit: u32,
+    pub(super) visit: VisitId,
     pub(super) scope: ScopeId,
 }
 
@@ -98,7 +98,7 @@ pub(super) struct NameList {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CodelSource<'a> {
     pub(super) decl: &'a CodelDecl,
-    pub(super) visit: u32,
+    pub(super) visit: VisitId,
     /// Scope of the constants in its paths.
     pub(super) scope: ScopeId,
     pub(super) kind: CodelKind,

@@ -64,7 +64,7 @@ impl<'a> Elaborator<'a> {
                     let id = this.member(kind, DefKind::Member, &declarator.name, node);
                     let values = this.labels(labels, ty, Some((&declarator.name, id)), &mut used);
                     if let Some(id) = id {
-                        let data = &mut this.spec.types[id.0 as usize];
+                        let data = &mut this.spec.types[id];
                         if let TypeKind::UnionMember { labels, .. } = &mut data.kind {
                             *labels = values;
                         }

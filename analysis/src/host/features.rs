@@ -8,6 +8,7 @@ use dotgen_syntax::format::Options;
 use super::{Analysis, Cancellable};
 use crate::{
     diagnostic::{Diagnostic, FileEdit, Fix},
+    elab::DefId,
     ide::{self, *},
     progress::Progress,
     source_map::bytes,
@@ -145,7 +146,7 @@ impl Analysis {
     pub fn resolve_completion(
         &self,
         path: &Utf8Path,
-        definition: u32,
+        definition: DefId,
         name: &str,
     ) -> Cancellable<Option<CompletionDoc>> {
         Ok(self.in_file(path, |view| ide::completion::resolve(view, definition, name))?.flatten())

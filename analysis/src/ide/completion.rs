@@ -70,7 +70,7 @@ pub struct CompletionItem {
     /// Smaller comes first.
     pub rank: u8,
     /// The definition, for [`CompletionDoc`].
-    pub definition: Option<u32>,
+    pub definition: Option<DefId>,
     /// The name of the definition, to find out later whether the text has changed.
     pub name: Option<SmolStr>,
     /// Set for the name of a codel: functions that no specification names fit here as well.
@@ -162,8 +162,7 @@ pub(crate) fn completions(view: &FileView<'_>, at: usize) -> Vec<CompletionItem>
     let mut items = out.finish();
     let definitions = &view.elaborated().definitions;
     for item in &mut items {
-        let definition = item.definition.and_then(|number| definitions.get(number as usize));
-        item.name = definition.map(|definition| definition.name.clone());
+        item.name = item.definition.map(|id| definitions[id].name.clone());
     }
     items
 }
@@ -175,13 +174,13 @@ fn line_behind<'v>(view: &'v FileView<'_>, at: usize) -> &'v str {
 }
 
 /// Documentation of an item.
-pub(crate) fn resolve(view: &FileView<'_>, definition: u32, name: &str) -> Option<CompletionDoc> {
-    let found = view.elaborated().definitions.get(definition as usize)?;
+pub(crate) fn resolve(view: &FileView<'_>, definition: DefId, name: &str) -> Option<CompletionDoc> {
+    let found = view.elaborated().definitions.get(definition)?;
     // The text may have changed since the item was proposed.
     if found.name != name {
         return None;
     }
-    let markdown = hover::definition(view, DefId(definition))?;
+    let markdown = hover::definition(view, definition)?;
     Some(CompletionDoc { markdown })
 }
 

@@ -96,10 +96,10 @@ pub(crate) fn missing_includes(view: &FileView<'_>) -> Vec<MissingInclude> {
 
 /// The target of an active include.
 pub(super) fn include_target(view: &FileView<'_>, ordinal: usize) -> Option<SourceFile> {
-    let visits = &visits(view.db, view.unit).visits;
+    let visits = visits(view.db, view.unit).all();
     let own = visits.iter().filter(|visit| visit.key == view.key);
     let mut targets = own.filter_map(|visit| visit.includes.get(ordinal).copied().flatten());
-    Some(visits.get(targets.next()? as usize)?.key.file(view.db))
+    Some(visits.get(targets.next()?)?.key.file(view.db))
 }
 
 /// The path in an include operand, without its delimiters.

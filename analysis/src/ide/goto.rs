@@ -112,7 +112,7 @@ fn first_declaration(view: &FileView<'_>, id: DefId) -> Option<NavTarget> {
 
 /// The type of a type object, or the type it stands for.
 pub(super) fn value_type(spec: &Spec, id: TypeId) -> Option<TypeId> {
-    Some(match &spec.types.get(id.0 as usize)?.kind {
+    Some(match &spec.types.get(id)?.kind {
         TypeKind::StructMember { ty }
         | TypeKind::UnionMember { ty, .. }
         | TypeKind::Const { ty, .. }
@@ -132,7 +132,7 @@ pub(super) fn value_type(spec: &Spec, id: TypeId) -> Option<TypeId> {
 /// The named type inside arrays, sequences and optionals.
 fn named_type(spec: &Spec, mut id: TypeId) -> Option<TypeId> {
     for _ in 0..spec.types.len() {
-        let ty = spec.types.get(id.0 as usize)?;
+        let ty = spec.types.get(id)?;
         id = match &ty.kind {
             TypeKind::Array { element, .. }
             | TypeKind::Sequence { element, .. }
@@ -147,7 +147,7 @@ fn named_type(spec: &Spec, mut id: TypeId) -> Option<TypeId> {
 
 fn type_target(view: &FileView<'_>, ty: TypeId) -> Option<NavTarget> {
     let elaborated = view.elaborated();
-    let src = elaborated.spec.types.get(ty.0 as usize)?.src;
+    let src = elaborated.spec.types.get(ty)?.src;
     let mut candidates = elaborated.definitions.iter();
     let definition = candidates
         .find(|candidate| candidate.ty == Some(ty) && candidate.src == src)

@@ -70,7 +70,7 @@ fn missing_include(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> {
 
 /// The names of component and codel, if the definition is a codel.
 fn codel(elaborated: &Elaborated, id: DefId) -> Option<(String, String)> {
-    let definition = elaborated.definitions.get(id.0 as usize)?;
+    let definition = elaborated.definitions.get(id)?;
     let component = facts::component_of(elaborated, definition)?;
     let found = || (component.name.to_string(), definition.name.to_string());
     (definition.kind == DefKind::Codel).then(found)
@@ -83,10 +83,10 @@ pub(crate) fn definition(view: &FileView<'_>, id: DefId) -> Option<String> {
 /// The text of a definition, shown at a mention of it.
 fn mentioned(view: &FileView<'_>, id: DefId, mention: Option<TextRange>) -> Option<String> {
     let elaborated = view.elaborated();
-    let definition = elaborated.definitions.get(id.0 as usize)?;
+    let definition = elaborated.definitions.get(id)?;
     let mut out = code(&declaration_text(view, definition)?);
     let mut facts: Vec<String> = Vec::new();
-    if let Some(container) = container_name(&elaborated.definitions, definition) {
+    if let Some(container) = container_name(elaborated, definition) {
         facts.push(format!("in `{container}`"));
     }
     facts.extend(type_facts(elaborated, definition));
@@ -214,7 +214,7 @@ fn type_facts(elaborated: &Elaborated, definition: &Definition) -> Vec<String> {
             out.push(format!("{size} byte{} packed", if size == 1 { "" } else { "s" }));
         }
     }
-    match spec.types.get(ty.0 as usize).map(|ty| &ty.kind) {
+    match spec.types.get(ty).map(|ty| &ty.kind) {
         Some(TypeKind::Const { value, .. }) => {
             let hexadecimal = match value {
                 Value::Uint(number) if *number > 9 => format!(" (`{number:#x}`)"),

@@ -118,7 +118,7 @@ fn macro_uses(
     site: &MacroSite,
     out: &mut Vec<ReferenceAt>,
 ) {
-    for visit in &visits(db, unit).visits {
+    for visit in visits(db, unit).all() {
         for usage in &preprocessed(db, visit.key).macro_uses {
             if usage.name == name && usage.site.as_ref() == Some(site) {
                 out.push(ReferenceAt {
@@ -131,11 +131,11 @@ fn macro_uses(
 }
 
 fn includes(db: &dyn Db, unit: UnitKey<'_>, target: SourceFile, out: &mut Vec<ReferenceAt>) {
-    let visits = &visits(db, unit).visits;
+    let visits = visits(db, unit).all();
     for visit in visits {
         let all = std::iter::zip(&preprocessed(db, visit.key).includes, &visit.includes);
         for (include, leads_to) in all {
-            let leads_to = leads_to.and_then(|lead| visits.get(lead as usize));
+            let leads_to = leads_to.and_then(|lead| visits.get(lead));
             if leads_to.is_some_and(|lead| lead.key.file(db) == target) {
                 out.push(ReferenceAt {
                     place: file_range(db, visit.key.file(db), include.range),

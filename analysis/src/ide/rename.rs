@@ -82,7 +82,7 @@ pub(crate) fn prepare(view: &FileView<'_>, at: usize) -> Result<RangeInfo<String
 
 fn definition_name(view: &FileView<'_>, id: DefId) -> Result<String, RenameError> {
     let all = &view.elaborated().definitions;
-    let Some(definition) = all.get(id.0 as usize) else {
+    let Some(definition) = all.get(id) else {
         return refuse("There is no name here that can be changed");
     };
     if definition.kind == DefKind::Ids {
@@ -276,7 +276,7 @@ fn macro_places(view: &FileView<'_>, at: usize, old: &str) -> Places {
         }
         // An include guard is mentioned before it is defined.
         for visit in roots_of(db, file).iter().flat_map(|root| {
-            let visits = &visits(db, unit_of_root(db, *root)).visits;
+            let visits = visits(db, unit_of_root(db, *root)).all();
             visits.iter().filter(|visit| visit.key.file(db) == file)
         }) {
             for directive in &preprocessed(db, visit.key).directives {
@@ -393,12 +393,12 @@ pub(crate) fn files_moved(db: &dyn Db, moves: &[(Utf8PathBuf, Utf8PathBuf)]) -> 
     let mut edits: Vec<FileEdit> = Vec::new();
     for root in db.workspace().roots(db).clone() {
         db.unwind_if_revision_cancelled();
-        let all = &visits(db, unit_of_root(db, db.file(&root))).visits;
+        let all = visits(db, unit_of_root(db, db.file(&root))).all();
         for visit in all {
             let file = visit.key.file(db);
             let pre = preprocessed(db, visit.key);
             for (include, leads_to) in std::iter::zip(&pre.includes, &visit.includes) {
-                let target = leads_to.and_then(|lead| all.get(lead as usize));
+                let target = leads_to.and_then(|lead| all.get(lead));
                 let (Some(target), Some(request)) = (target, &include.request) else {
                     continue;
                 };

@@ -160,7 +160,7 @@ pub(crate) fn value(spec: &Spec, value: &Value) -> String {
         Value::String(text) => format!("\"{text}\""),
         Value::Enum(id) => spec
             .types
-            .get(id.0 as usize)
+            .get(*id)
             .and_then(|ty| ty.name.as_ref())
             .map_or_else(String::new, ToString::to_string),
     }
@@ -168,7 +168,7 @@ pub(crate) fn value(spec: &Spec, value: &Value) -> String {
 
 /// A type with the full names of all types in it, `pose::state[4]`.
 pub(crate) fn type_text(spec: &Spec, id: TypeId) -> String {
-    if spec.types.get(id.0 as usize).is_none() {
+    if spec.types.get(id).is_none() {
         return String::new();
     }
     let id = spec.member_type(id);
@@ -181,7 +181,7 @@ pub(crate) fn type_text(spec: &Spec, id: TypeId) -> String {
 /// The type behind aliases, if it is more informative than the name.
 pub(crate) fn resolved_type_text(spec: &Spec, id: TypeId) -> Option<String> {
     let resolved = spec.resolve_alias(id);
-    let ty = spec.types.get(resolved.0 as usize)?;
+    let ty = spec.types.get(resolved)?;
     Some(match &ty.kind {
         TypeKind::Unknown => return None,
         TypeKind::Struct { members } => {
@@ -212,7 +212,7 @@ fn size(spec: &Spec, id: TypeId, depth: u32) -> Option<u64> {
     if depth > 64 {
         return None;
     }
-    let ty = spec.types.get(spec.resolve_alias(id).0 as usize)?;
+    let ty = spec.types.get(spec.resolve_alias(id))?;
     Some(match &ty.kind {
         TypeKind::Boolean | TypeKind::Octet | TypeKind::Char => 1,
         TypeKind::Short | TypeKind::UnsignedShort => 2,

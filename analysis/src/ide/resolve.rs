@@ -183,7 +183,7 @@ pub(crate) fn definition_target<'db>(
     id: DefId,
 ) -> Option<NavTarget> {
     let elaborated = elaborated(db, unit);
-    let definition = elaborated.definitions.get(id.0 as usize)?;
+    let definition = elaborated.definitions.get(id)?;
     let (file, focus) = place(db, unit, definition.src)?;
     let full = place(db, unit, definition.node).filter(|(in_file, _)| *in_file == file);
     let full = full.map_or(focus, |(_, full)| full.cover(focus));
@@ -193,13 +193,13 @@ pub(crate) fn definition_target<'db>(
         focus_range: bytes(focus),
         name: definition.name.clone(),
         kind: definition.kind.into(),
-        container: container_name(&elaborated.definitions, definition),
+        container: container_name(elaborated, definition),
     })
 }
 
 /// Name of the declaration that contains a definition.
-pub(crate) fn container_name(all: &[Definition], definition: &Definition) -> Option<SmolStr> {
-    Some(all.get(definition.container?.0 as usize)?.name.clone())
+pub(crate) fn container_name(elaborated: &Elaborated, definition: &Definition) -> Option<SmolStr> {
+    Some(elaborated.definition(definition.container?).name.clone())
 }
 
 /// The identity of a definition, equal in every unit that contains it.
@@ -223,7 +223,7 @@ pub(crate) fn identity_in<'db>(
     elaborated: &Elaborated,
     id: DefId,
 ) -> Option<Identity> {
-    let definition = elaborated.definitions.get(id.0 as usize)?;
+    let definition = elaborated.definitions.get(id)?;
     let (file, range) = place(db, unit, definition.src)?;
     Some(Identity { file, range, name: definition.name.clone(), kind: definition.kind.into() })
 }

@@ -20,7 +20,7 @@ pub(crate) fn semantic_tokens(
     let definitions = &view.elaborated().definitions;
     let mut names: FxHashMap<TextRange, (DefKind, AccessKind)> = FxHashMap::default();
     for occurrence in occurrences(view.db, view.unit, view.file) {
-        let Some(definition) = definitions.get(occurrence.target.0 as usize) else {
+        let Some(definition) = definitions.get(occurrence.target) else {
             continue;
         };
         names.entry(occurrence.range).or_insert((definition.kind, occurrence.access));

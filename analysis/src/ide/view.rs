@@ -8,7 +8,7 @@ use crate::{
     elab::Elaborated,
     item_tree::lower::{node_range, token_range},
     model::Src,
-    queries::{WRAPPER, elaborated},
+    queries::elaborated,
     source_map::ptr,
     unit::{FileKey, UnitKey, parsed, preprocessed, ranges, serving_unit, serving_visit, visits},
 };
@@ -82,7 +82,6 @@ pub(crate) fn place<'db>(
     unit: UnitKey<'db>,
     src: Src,
 ) -> Option<(SourceFile, TextRange)> {
-    let visit = src.visit.checked_sub(WRAPPER + 1)?;
-    let key = visits(db, unit).visits.get(visit as usize)?.key;
+    let key = visits(db, unit).of(src.visit)?.key;
     Some((key.file(db), ranges(db, key).get(ptr(src))?))
 }

@@ -57,7 +57,7 @@ fn of_unit(db: &dyn Db, unit: UnitKey<'_>, elaborated: &Elaborated, query: &str)
         let symbol = WorkspaceSymbol {
             name: definition.name.clone(),
             kind: definition.kind.into(),
-            container: container_name(&elaborated.definitions, definition),
+            container: container_name(elaborated, definition),
             target: FileRange { path: file.path(db).clone(), range: bytes(range) },
         };
         found.push((Reverse(rank), definition.name.clone(), symbol));

@@ -2,16 +2,16 @@
 
 use rustc_hash::FxHashSet;
 
-use crate::elab::{DefKind, Elaborated};
+use crate::elab::{DefId, DefKind, Elaborated};
 use crate::finding::{Finding, lints::LintWarning};
-use crate::model::TypeKind;
+use crate::model::{TypeKind, VisitId};
 
 /// Reports unused types, natives, exceptions and local variables that are declared in a root file of a unit,
 /// inside a component. `is_root` returns true for the visits of root files; declarations in other files are
 /// for other units.
-pub fn unused(unit: &Elaborated, is_root: impl Fn(u32) -> bool) -> Vec<Finding> {
-    let used: FxHashSet<u32> =
-        unit.references.iter().filter(|r| !r.is_declaration()).map(|r| r.target.0).collect();
+pub fn unused(unit: &Elaborated, is_root: impl Fn(VisitId) -> bool) -> Vec<Finding> {
+    let used: FxHashSet<DefId> =
+        unit.references.iter().filter(|r| !r.is_declaration()).map(|r| r.target).collect();
     let mut out = Vec::new();
     for definition in &unit.definitions {
         let name = definition.name.clone();
@@ -24,7 +24,7 @@ pub fn unused(unit: &Elaborated, is_root: impl Fn(u32) -> bool) -> Vec<Finding> 
             DefKind::Local => LintWarning::LocalUnused { name },
             _ => continue,
         };
-        if used.contains(&definition.id.0) || !is_root(definition.src.visit) {
+        if used.contains(&definition.id) || !is_root(definition.src.visit) {
             continue;
         }
         // Types outside of components may be included by other files.
@@ -45,7 +45,7 @@ pub fn unused(unit: &Elaborated, is_root: impl Fn(u32) -> bool) -> Vec<Finding> 
 fn enumerators_used(
     unit: &Elaborated,
     ty: Option<crate::model::TypeId>,
-    used: &FxHashSet<u32>,
+    used: &FxHashSet<DefId>,
 ) -> bool {
     let Some(ty) = ty else { return false };
     let TypeKind::Enum { enumerators } = &unit.spec.ty(ty).kind else {
@@ -54,6 +54,6 @@ fn enumerators_used(
     unit.definitions.iter().any(|d| {
         d.kind == DefKind::Enumerator
             && d.ty.is_some_and(|t| enumerators.contains(&t))
-            && used.contains(&d.id.0)
+            && used.contains(&d.id)
     })
 }

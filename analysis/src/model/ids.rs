@@ -1,15 +1,12 @@
 //! Indices into the tables of the model, one type for each table.
 
-use serde::{Deserialize, Serialize};
-
 /// Declares the index into one table.
 macro_rules! ids {
-    ($($(#[$doc:meta])* $name:ident)*) => {$(
+    ($($(#[$doc:meta])* $vis:vis $name:ident)*) => {$(
         $(#[$doc])*
-        #[derive(
-            Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize,
-        )]
-        pub struct $name(pub u32);
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        #[derive(serde::Serialize, serde::Deserialize)]
+        $vis struct $name($vis u32);
 
         impl From<usize> for $name {
             #[inline]
@@ -32,16 +29,22 @@ macro_rules! ids {
         }
     )*};
 }
+pub(crate) use ids;
 
 ids! {
     /// A component or interface: an index into [`Spec::components`](super::Spec::components).
-    ComponentId
+    pub ComponentId
     /// A port: an index into [`Component::ports`](super::Component::ports).
-    PortId
+    pub PortId
     /// A remote service: an index into [`Component::remotes`](super::Component::remotes).
-    RemoteId
+    pub RemoteId
     /// An attribute, function or activity: an index into [`Component::services`](super::Component::services).
-    ServiceId
+    pub ServiceId
     /// An execution task: an index into [`Component::tasks`](super::Component::tasks).
-    TaskId
+    pub TaskId
+    /// A type object: an index into [`Spec::types`](super::Spec::types).
+    pub TypeId
+    /// One inclusion of one file, as the elaborator numbers them: the wrapper, then those of the unit.
+    #[derive(Default)]
+    pub VisitId
 }

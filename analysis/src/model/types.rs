@@ -2,11 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{ComponentId, Name, PortId, RemoteId, Spec, Src};
-
-/// Index into `Spec::types`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct TypeId(pub u32);
+use super::{ComponentId, Name, PortId, RemoteId, Spec, Src, TypeId};
 
 /// A type object: named types, anonymous types, and other named objects in scopes (constants, members,
 /// enumerators, states, ports, remotes).

@@ -35,7 +35,7 @@ impl TypeIds for TypeId {
 
 impl TypeIds for Spec {
     fn for_each_type_id(&mut self, f: &mut dyn FnMut(&mut TypeId)) {
-        self.types.for_each_type_id(f);
+        self.types.raw.for_each_type_id(f);
         self.components.raw.for_each_type_id(f);
         self.open.for_each_type_id(f);
     }

@@ -9,6 +9,7 @@ use dotgen_syntax::{
     preproc::{Host, IncludeError, IncludeRequest, MacroEnv, RequiredPackages, preprocess},
 };
 use smol_str::SmolStr;
+use typed_index_collections::TiVec;
 
 use super::{DirectiveEffect, UnitKey};
 use crate::{
@@ -32,11 +33,16 @@ pub(crate) fn is_standin(path: &Utf8Path) -> bool {
 /// Maximum number of visits of a unit; far beyond any real specification.
 const MAX_VISITS: usize = 4_000;
 
+crate::model::ids::ids! {
+    /// A visit of a unit: an index into [`Walk::visits`] and [`Visits::all`](super::Visits::all).
+    pub(crate) WalkId
+}
+
 /// The result of walking a unit.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Walk {
     /// In order of inclusion; the inputs of the unit have no includer.
-    pub(crate) visits: Vec<WalkVisit>,
+    pub(crate) visits: TiVec<WalkId, WalkVisit>,
     /// The search path at the end, in order: it only grows.
     search: Vec<Utf8PathBuf>,
 }
@@ -47,11 +53,11 @@ impl Walk {
     pub(crate) fn places(
         &self,
         db: &dyn Db,
-        visit: u32,
+        visit: WalkId,
         ordinal: usize,
         request: &IncludeRequest,
     ) -> Vec<Utf8PathBuf> {
-        let Some(visit) = self.visits.get(visit as usize) else {
+        let Some(visit) = self.visits.get(visit) else {
             return Vec::new();
         };
         let reach = visit.searched.get(ordinal).copied().unwrap_or_default();
@@ -82,11 +88,11 @@ pub(crate) struct WalkVisit {
     pub(crate) entry: MacroEnv,
     pub(crate) outcomes: Vec<DirectiveEffect>,
     /// Visit that each active include leads to.
-    pub(crate) includes: Vec<Option<u32>>,
+    pub(crate) includes: Vec<Option<WalkId>>,
     /// The length of [`Walk::search`] at each active include.
     searched: Vec<usize>,
     /// The visit and the ordinal of the include that led here.
-    pub(crate) includer: Option<(u32, u32)>,
+    pub(crate) includer: Option<(WalkId, usize)>,
 }
 
 /// The directive lines of a file, one after the other, and nothing else.
@@ -128,7 +134,7 @@ fn walk<'db>(db: &'db dyn Db, unit: UnitKey<'db>, whole_texts: bool) -> Result<W
     let mut walker = Walker {
         db,
         search,
-        visits: Vec::new(),
+        visits: TiVec::new(),
         depth: 1,
         cut_off: false,
         packages_missing: false,
@@ -149,7 +155,7 @@ struct Walker<'db> {
     db: &'db dyn Db,
     /// Search path so far.
     search: Vec<Utf8PathBuf>,
-    visits: Vec<WalkVisit>,
+    visits: TiVec<WalkId, WalkVisit>,
     /// Number of files open now; the wrapper counts.
     depth: usize,
     /// True if a limit was reached: nothing more is followed, as in the reference compiler.
@@ -164,7 +170,7 @@ struct Walker<'db> {
 
 struct VisitHost<'a, 'db> {
     walker: &'a mut Walker<'db>,
-    visit: usize,
+    visit: WalkId,
     file: SourceFile,
 }
 
@@ -174,11 +180,10 @@ impl Walker<'_> {
         &mut self,
         file: SourceFile,
         entry: MacroEnv,
-        includer: Option<(u32, u32)>,
-    ) -> (u32, MacroEnv) {
+        includer: Option<(WalkId, usize)>,
+    ) -> (WalkId, MacroEnv) {
         self.db.unwind_if_revision_cancelled();
-        let visit = self.visits.len();
-        self.visits.push(WalkVisit {
+        let visit = self.visits.push_and_get_key(WalkVisit {
             file,
             entry: entry.clone(),
             outcomes: Vec::new(),
@@ -202,7 +207,7 @@ impl Walker<'_> {
             preprocess(&name, text, &lex(text), entry, &mut host).exit_env
         };
         self.depth -= 1;
-        (visit as u32, exit)
+        (visit, exit)
     }
 
     /// Finds the file of an include (language reference, 2.3).
@@ -259,7 +264,7 @@ impl Host for VisitHost<'_, '_> {
         env: &MacroEnv,
     ) -> Result<MacroEnv, IncludeError> {
         let walker = &mut *self.walker;
-        let ordinal = walker.visits[self.visit].includes.len() as u32;
+        let ordinal = walker.visits[self.visit].includes.len();
         let searched = walker.search.len();
         let visit = &mut walker.visits[self.visit];
         visit.includes.push(None);
@@ -277,9 +282,8 @@ impl Host for VisitHost<'_, '_> {
             )))
         } else {
             walker.resolve(request, self.file).map(|file| {
-                let (visit, exit) =
-                    walker.visit(file, env.clone(), Some((self.visit as u32, ordinal)));
-                walker.visits[self.visit].includes[ordinal as usize] = Some(visit);
+                let (visit, exit) = walker.visit(file, env.clone(), Some((self.visit, ordinal)));
+                walker.visits[self.visit].includes[ordinal] = Some(visit);
                 exit
             })
         };

@@ -80,8 +80,7 @@ pub(super) fn run(
     let language =
         Language::from_name(&language).ok_or_else(|| format!("unsupported language {language}"))?;
     let mapper = Mapper::new(spec, &*compiled.places, language);
-    let types =
-        (0..spec.types.len() as u32).map(|ty| MapObject::Type(dotgen_analysis::model::TypeId(ty)));
+    let types = spec.types.keys().map(MapObject::Type);
     let mut objects: Vec<MapObject> = types.collect();
     if options.signatures {
         objects.extend(codels(spec));

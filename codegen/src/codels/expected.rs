@@ -97,7 +97,7 @@ impl<'a> Expected<'a> {
             let spelling = out.spelling(event);
             out.events.entry(spelling).or_insert(event);
         }
-        let types = (0u32..).map(TypeId).zip(&spec.types);
+        let types = spec.types.iter_enumerated();
         for (id, ty) in types {
             match ty.kind {
                 TypeKind::Exception { .. } => {
@@ -326,9 +326,8 @@ impl<'a> Expected<'a> {
     }
 
     fn collect_opaque(&mut self) {
-        let ids = (0u32..).map(TypeId).take(self.spec.types.len());
         let (mut named, mut texts) = (Vec::new(), Vec::new());
-        for id in ids {
+        for id in self.spec.types.keys() {
             let ty = self.spec.ty(id);
             let value = matches!(
                 ty.kind,
@@ -357,7 +356,7 @@ impl<'a> Expected<'a> {
         let mapper = self.mapper();
         let mut names = Vec::new();
         let mut texts = Vec::new();
-        for (index, ty) in self.spec.types.iter().enumerate() {
+        for (id, ty) in self.spec.types.iter_enumerated() {
             let inner = match ty.kind {
                 TypeKind::Typedef { ty } => mapper.declarator(ty, "x").ok(),
                 // Enumerations are integers in C.
@@ -365,7 +364,7 @@ impl<'a> Expected<'a> {
                 _ => None,
             };
             if let Some(inner) = inner {
-                names.push(self.spelling(TypeId(index as u32)));
+                names.push(self.spelling(id));
                 texts.push(format!("void f({inner})"));
             }
         }

@@ -71,8 +71,8 @@ pub fn source(expected: &Expected<'_>, missing: &FxHashSet<Name>) -> LangResult 
             glue.number(param.ty);
         }
     }
-    for ty in 0..expected.spec.types.len() as u32 {
-        if let TypeKind::Exception { members } = &expected.spec.ty(TypeId(ty)).kind {
+    for ty in &expected.spec.types {
+        if let TypeKind::Exception { members } = &ty.kind {
             for &member in members {
                 _ = glue.number(member);
             }

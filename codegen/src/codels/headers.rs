@@ -5,7 +5,6 @@
 //! description for dotgen, and replace an installation only in editors and tests.
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::model::TypeId;
 use rustc_hash::FxHashSet;
 
 use super::{
@@ -36,7 +35,7 @@ const OPERATORS: [&str; 11] =
 /// Flags for compilers of C++, if a type of the component has a name that is an operator there.
 pub(super) fn flags_of_names(expected: &Expected<'_>) -> Option<String> {
     let spec = expected.spec;
-    let mut names = (0..spec.types.len() as u32).filter_map(|ty| spec.full_name(TypeId(ty)));
+    let mut names = spec.types.keys().filter_map(|ty| spec.full_name(ty));
     let is_operator = |text: &str| text.split("::").any(|part| OPERATORS.contains(&part));
     let found = names.any(|name| is_operator(&name));
     (found && expected.language == Language::Cxx).then(|| CXX_NAMES.to_owned())
@@ -84,7 +83,7 @@ pub(super) fn include_flags(folder: &Utf8Path, codels: &Utf8Path) -> Vec<String>
 /// The mapped types and the prototypes of the codels, as in `genom3 mappings --signature` without the `#line`
 /// marks.
 pub fn types(expected: &Expected<'_>) -> Result<String, LangError> {
-    let all = (0..expected.spec.types.len() as u32).map(|ty| MapObject::Type(TypeId(ty)));
+    let all = expected.spec.types.keys().map(MapObject::Type);
     let all: Vec<MapObject> = all.collect();
     let mut out = opaque_types(expected) + &expected.mapper().mapping(&all, false)?;
     // The mapping includes the headers for its own text; the prototypes may need more.
@@ -126,7 +125,7 @@ fn opaque_types(expected: &Expected<'_>) -> String {
     let mapper = expected.mapper();
     let mut seen = FxHashSet::default();
     let mut out = String::new();
-    for id in (0..spec.types.len() as u32).map(TypeId) {
+    for id in spec.types.keys() {
         let Some(opaque) = spec.opaque(id) else {
             continue;
         };

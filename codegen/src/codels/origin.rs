@@ -97,7 +97,7 @@ impl<'a> Lookup<'a> {
             _ => None,
         }?;
         let spec = self.expected.spec;
-        let declared = (0u32..).map(TypeId).zip(&spec.types);
+        let declared = spec.types.iter_enumerated();
         let mut found = declared.filter_map(|(id, ty)| {
             let (TypeKind::Struct { members }
             | TypeKind::Union { members, .. }
@@ -200,7 +200,7 @@ impl<'a> Lookup<'a> {
         {
             return vec![expected.spec.ty(exception).src];
         }
-        let types = (0u32..).map(TypeId).zip(&expected.spec.types);
+        let types = expected.spec.types.iter_enumerated();
         let mut named = types.filter(|(id, ty)| {
             let member =
                 matches!(ty.kind, TypeKind::StructMember { .. } | TypeKind::UnionMember { .. });

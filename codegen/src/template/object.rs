@@ -151,8 +151,7 @@ impl Registry {
         self.objects.clear();
         self.handles.clear();
         let mut alike: FxHashMap<(&'static str, Src, String), u32> = FxHashMap::default();
-        for (index, ty) in spec.types.iter().enumerate() {
-            let id = TypeId(index as u32);
+        for (id, ty) in spec.types.iter_enumerated() {
             let kind = ty.kind.word();
             let name = spec.full_name(id).unwrap_or_default();
             let count = alike.entry((kind, ty.src, name.clone())).or_default();

@@ -68,7 +68,7 @@ impl Elaborator<'_> {
         let number = self.spec.components[c].remotes.next_key();
         let kind = TypeKind::Remote { component: c, remote: number };
         let ty = self.named(kind, scope, remote.name.clone(), remote.src);
-        self.type_defs[ty.0 as usize] = Some(def);
+        self.type_defs[ty] = Some(def);
         self.declare_at(scope, &remote.name, at, ty);
         remote.ty = ty;
         let state = &mut self.components[c];

@@ -35,7 +35,7 @@ impl<'a> Elaborator<'a> {
                         }
                         return None;
                     };
-                    if let Some(def) = self.type_defs[member.0 as usize] {
+                    if let Some(def) = self.type_defs[member] {
                         let at = self.src(name.ptr);
                         self.refer_as(at, def, written.access);
                     }

@@ -78,7 +78,7 @@ fn is_local(cx: &Cx<'_, '_>, ty: TypeId, component: &str) -> bool {
     let mut work = vec![ty];
     let mut seen = rustc_hash::FxHashSet::default();
     while let Some(id) = work.pop() {
-        let Some(ty) = spec.types.get(id.0 as usize).filter(|_| seen.insert(id)) else {
+        let Some(ty) = spec.types.get(id).filter(|_| seen.insert(id)) else {
             continue;
         };
         if ty.scope.first().is_some_and(|scope| scope.name == component) {

@@ -99,7 +99,7 @@ fn completion(spec: &Spec, service: &Service, task: Option<&str>) -> Option<Stri
 fn declaration(spec: &Spec, param: &Param) -> Option<String> {
     let (mut ty, mut dimensions): (TypeId, String) = (param.ty, String::new());
     for _ in 0..spec.types.len() {
-        let inner = spec.types.get(ty.0 as usize)?;
+        let inner = spec.types.get(ty)?;
         match (&inner.name, &inner.kind) {
             (None, TypeKind::Array { element, length }) => {
                 dimensions += &format!("[{length}]");

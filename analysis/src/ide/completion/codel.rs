@@ -5,6 +5,7 @@ use smol_str::SmolStr;
 
 use super::{CodelPlace, CompletionKind, Completions, elements::quantity, names::Names, pattern};
 use crate::{
+    elab::{DefId, DefKind},
     ide::{
         SymbolKind,
         context::{BodyKind, Context, Word},
@@ -326,17 +327,17 @@ pub(super) fn has_async(component: &Component) -> bool {
 
 impl Names<'_, '_> {
     /// The definition of a state of the component around the cursor.
-    fn state(&self, name: &str) -> Option<u32> {
+    fn state(&self, name: &str) -> Option<DefId> {
         let mut all = self.elaborated.definitions.iter();
         let component = &self.component()?.name;
         let found = all.find(|definition| {
-            definition.kind == crate::elab::DefKind::State
+            definition.kind == DefKind::State
                 && definition.name == name
                 && definition.container.is_some_and(|container| {
                     self.elaborated.definition(container).name == *component
                 })
         })?;
-        Some(found.id.0)
+        Some(found.id)
     }
 }
 

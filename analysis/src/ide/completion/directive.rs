@@ -143,7 +143,7 @@ fn named(view: &FileView<'_>, kind: DefKind, out: &mut Completions) {
                 CompletionKind::Symbol(SymbolKind::from(kind)),
                 0,
             );
-            item.definition = Some(definition.id.0);
+            item.definition = Some(definition.id);
         }
     }
 }
@@ -229,7 +229,7 @@ fn defined(view: &FileView<'_>, at: usize) -> Vec<(String, String)> {
     let Some((visit, _)) = serving_visit(view.db, view.unit, view.file) else {
         return Vec::new();
     };
-    let Some(walked) = walk_unit(view.db, view.unit).visits.get(visit as usize) else {
+    let Some(walked) = walk_unit(view.db, view.unit).visits.get(visit) else {
         return Vec::new();
     };
     let pre = view.pre();
@@ -337,7 +337,7 @@ fn searched(view: &FileView<'_>, quoted: bool) -> (Vec<Utf8PathBuf>, Vec<Utf8Pat
         let Some((by, _)) = visit.includer else {
             continue;
         };
-        let Some(by) = walked.visits.get(by as usize) else {
+        let Some(by) = walked.visits.get(by) else {
             continue;
         };
         let (found, own) = (visit.file.path(view.db), by.file.path(view.db).parent());

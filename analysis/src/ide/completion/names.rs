@@ -149,24 +149,21 @@ impl<'a, 'db> Names<'a, 'db> {
     }
 
     /// The definition of a part of the component around the cursor.
-    pub(super) fn part(&self, part: impl Fn(ComponentId) -> Entity) -> Option<u32> {
+    pub(super) fn part(&self, part: impl Fn(ComponentId) -> Entity) -> Option<DefId> {
         let wanted = part(self.component?);
         let all = &self.elaborated.definitions;
         let found = all.iter().find(|definition| definition.entity == Some(wanted))?;
-        Some(found.id.0)
+        Some(found.id)
     }
 
     /// Returns true if a definition is before the cursor; definitions without a place count as known.
-    pub(super) fn is_known(&self, definition: Option<u32>) -> bool {
-        let found =
-            definition.and_then(|definition| self.elaborated.definitions.get(definition as usize));
-        found.is_none_or(|definition| self.is_before(definition))
+    pub(super) fn is_known(&self, definition: Option<DefId>) -> bool {
+        definition.is_none_or(|id| self.is_before(self.elaborated.definition(id)))
     }
 
     /// Returns true if a definition is above the cursor.
-    pub(super) fn is_above(&self, definition: Option<u32>) -> bool {
-        let found =
-            definition.and_then(|definition| self.elaborated.definitions.get(definition as usize));
+    pub(super) fn is_above(&self, definition: Option<DefId>) -> bool {
+        let found = definition.map(|id| self.elaborated.definition(id));
         found.is_none_or(|definition| match self.view.place(definition.src) {
             Some((file, range)) if file == self.view.file => usize::from(range.start()) < self.at,
             _ => true,
@@ -239,9 +236,9 @@ impl<'a, 'db> Names<'a, 'db> {
     }
 
     /// The declaration of a type object.
-    pub(super) fn definition_of(&self, ty: TypeId) -> Option<u32> {
+    pub(super) fn definition_of(&self, ty: TypeId) -> Option<DefId> {
         let all = &self.elaborated.definitions;
-        Some(all.iter().find(|definition| definition.ty == Some(ty))?.id.0)
+        Some(all.iter().find(|definition| definition.ty == Some(ty))?.id)
     }
 
     /// Returns true if the cursor is in a declaration.
@@ -342,14 +339,14 @@ impl<'a, 'db> Names<'a, 'db> {
     fn push(&self, definition: &Definition, label: String, rank: u8, out: &mut Completions) {
         let kind = CompletionKind::Symbol(SymbolKind::from(definition.kind));
         let item = out.add(label, kind, rank);
-        item.definition = Some(definition.id.0);
+        item.definition = Some(definition.id);
         item.detail = self.detail(definition);
     }
 
     fn detail(&self, definition: &Definition) -> Option<String> {
         let ty = definition.ty?;
         let spec = self.spec();
-        match &spec.types.get(ty.0 as usize)?.kind {
+        match &spec.types.get(ty)?.kind {
             TypeKind::Const { value, .. } => Some(format!("= {}", render::value(spec, value))),
             TypeKind::Enumerator { enumeration, .. } => Some(render::type_text(spec, *enumeration)),
             _ => render::resolved_type_text(spec, ty),

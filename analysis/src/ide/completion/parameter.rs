@@ -11,7 +11,7 @@ use super::{
     statement::type_or_nothing,
 };
 use crate::{
-    elab::Entity,
+    elab::{DefId, Entity},
     ide::{
         SymbolKind,
         context::{Context, Word},
@@ -79,7 +79,7 @@ struct Source {
     directions: &'static [&'static str],
     ty: TypeId,
     kind: SymbolKind,
-    definition: Option<u32>,
+    definition: Option<DefId>,
     /// True if another part of the component has the name, so that the source must be written, even where
     /// that part would be invalid.
     ambiguous: bool,

@@ -146,7 +146,6 @@ impl Names<'_, '_> {
             "string" => matches!(kind, String { .. }),
             _ => false,
         };
-        let found = self.spec().types.iter().position(|ty| fits(&ty.kind))?;
-        Some(TypeId(found as u32))
+        self.spec().types.position(|ty| fits(&ty.kind))
     }
 }

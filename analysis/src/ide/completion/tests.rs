@@ -444,7 +444,7 @@ fn documentation_on_demand() {
     assert!(doc.markdown.contains("long x;"), "{}", doc.markdown);
     // Stale items have no documentation.
     assert_eq!(analysis.resolve_completion(path, definition, "other").unwrap(), None);
-    assert_eq!(analysis.resolve_completion(path, 99, "s").unwrap(), None);
+    assert_eq!(analysis.resolve_completion(path, DefId(99), "s").unwrap(), None);
 }
 
 #[test]

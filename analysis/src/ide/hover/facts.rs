@@ -82,7 +82,7 @@ pub(super) fn component_of<'e>(
             .find(|component| has(component, true))
             .or_else(|| spec.components.iter().find(|component| has(component, false)));
     }
-    let container = elaborated.definitions.get(definition.container?.0 as usize)?;
+    let container = elaborated.definitions.get(definition.container?)?;
     spec.components.iter().find(|c| c.name == container.name)
 }
 

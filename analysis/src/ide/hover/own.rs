@@ -11,8 +11,8 @@ use crate::{
 /// The declaration with which the component around a mention completes a service of an interface.
 pub(super) fn completion(view: &FileView<'_>, mention: TextRange, id: DefId) -> Option<String> {
     let elaborated = view.elaborated();
-    let declared = elaborated.definitions.get(id.0 as usize)?;
-    let interface = elaborated.definitions.get(declared.container?.0 as usize)?;
+    let declared = elaborated.definitions.get(id)?;
+    let interface = elaborated.definitions.get(declared.container?)?;
     let of_an_interface = interface.kind == DefKind::Interface
         && matches!(declared.kind, DefKind::Function | DefKind::Activity | DefKind::Attribute);
     if !of_an_interface {

@@ -162,7 +162,7 @@ impl Glue<'_, '_> {
     /// The names of all events that a codel of the component can return.
     fn outcomes(&self) -> LangResult {
         let spec = self.expected.spec;
-        let ids = (0..spec.types.len() as u32).map(TypeId);
+        let ids = spec.types.keys();
         let mut events = String::new();
         let mut exceptions = String::new();
         for ty in ids {
@@ -270,7 +270,7 @@ impl Glue<'_, '_> {
             "genom::unkex".to_owned(),
             "    glue_put(out, &e.detail, sizeof(e.detail));\n".to_owned(),
         ));
-        for ty in (0..spec.types.len() as u32).map(TypeId) {
+        for ty in spec.types.keys() {
             let TypeKind::Exception { members } = &spec.ty(ty).kind else {
                 continue;
             };

@@ -136,7 +136,7 @@ impl Session<'_> {
     fn listing(&self, what: &str, glob: Option<&String>) -> Answer {
         let spec = &self.compiled.spec;
         let objects: Vec<Object> = if what == "types" {
-            let types = (0..spec.types.len() as u32).map(dotgen_analysis::model::TypeId);
+            let types = spec.types.keys();
             types
                 .filter(|ty| {
                     glob.is_none_or(|glob| {
@@ -276,8 +276,7 @@ impl Session<'_> {
             }
         }
         if objects.is_empty() {
-            let all = (0..self.compiled.spec.types.len() as u32)
-                .map(|ty| MapObject::Type(dotgen_analysis::model::TypeId(ty)));
+            let all = self.compiled.spec.types.keys().map(MapObject::Type);
             objects.extend(all);
         }
         let locations = match locations {

@@ -3,6 +3,7 @@
 mod typed;
 
 use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::elab::DefId;
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::{self, CompletionKind, plain_snippet};
 use serde::{Deserialize, Serialize};
@@ -16,7 +17,7 @@ use crate::workspace::snapshot::{Answer, Snapshot, Stop, Subject};
 #[derive(Debug, Serialize, Deserialize)]
 struct Data {
     path: Utf8PathBuf,
-    definition: u32,
+    definition: DefId,
     name: String,
 }
 

@@ -31,10 +31,7 @@ impl Names<'_, '_> {
         let spec = self.spec();
         let resolved = expected.map(|ty| self.value_type(ty));
         for item in &mut out.items[first..] {
-            let definition = item
-                .definition
-                .and_then(|definition| self.elaborated.definitions.get(definition as usize));
-            let ty = definition.and_then(|definition| definition.ty);
+            let ty = item.definition.and_then(|id| self.elaborated.definition(id).ty);
             let of = match ty.map(|ty| &spec.ty(ty).kind) {
                 Some(TypeKind::Enumerator { enumeration, .. }) => Some(*enumeration),
                 Some(TypeKind::Const { ty, .. }) => Some(self.value_type(*ty)),
@@ -78,9 +75,7 @@ impl Names<'_, '_> {
         self.scoped(before, NameCategory::Constants, 3, out);
         let spec = self.spec();
         let fits = |item: &CompletionItem| {
-            let definition = item
-                .definition
-                .and_then(|definition| self.elaborated.definitions.get(definition as usize))?;
+            let definition = self.elaborated.definition(item.definition?);
             // Names that are only the beginning of a path.
             let Some(TypeKind::Const { value, .. }) = definition.ty.map(|ty| &spec.ty(ty).kind)
             else {
