@@ -24,11 +24,11 @@ mod words;
 use num_rational::Ratio;
 use serde::{Deserialize, Serialize};
 use smol_str::SmolStr;
-use typed_index_collections::TiVec;
+use typed_index_collections::{TiSlice, TiVec};
 
 use crate::release::Release;
 pub use gaps::{Gap, Missing, SourceKind, UnknownDependencies};
-pub use ids::{ComponentId, PortId, RemoteId, ServiceId, TaskId, TypeId, VisitId};
+pub use ids::{CodelId, ComponentId, PortId, RemoteId, ServiceId, TaskId, TypeId, VisitId};
 pub use owner::OwnerName;
 pub use types::{Label, Scope, ScopeKind, Type, TypeKind, Value};
 
@@ -181,7 +181,7 @@ pub struct Task {
     /// Own `throws` only.
     pub throws: Vec<TypeId>,
     /// The state machine of the permanent activity.
-    pub codels: Vec<Codel>,
+    pub codels: TiVec<CodelId, Codel>,
     /// The interface it was imported from, if any.
     pub imported_from: Option<ComponentId>,
 }
@@ -243,7 +243,7 @@ pub struct Service {
     /// Parameters and local variables, in order. For attributes these are paths into the ids.
     pub params: Vec<Param>,
     /// All codels, in order of properties, of any [`CodelKind`].
-    pub codels: Vec<Codel>,
+    pub codels: TiVec<CodelId, Codel>,
     /// Own `throws` only.
     pub throws: Vec<TypeId>,
     /// `interrupts`
@@ -438,7 +438,7 @@ pub struct CodelRef {
     /// Task or service that declares it.
     pub owner: Owner,
     /// Index into that owner's codels.
-    pub index: u32,
+    pub index: CodelId,
 }
 
 impl Spec {
@@ -491,7 +491,7 @@ impl Spec {
 }
 
 impl Component {
-    pub fn codels_of(&self, owner: Owner) -> &[Codel] {
+    pub fn codels_of(&self, owner: Owner) -> &TiSlice<CodelId, Codel> {
         match owner {
             Owner::Task(i) => &self.tasks[i].codels,
             Owner::Service(i) => &self.services[i].codels,
@@ -499,7 +499,7 @@ impl Component {
     }
 
     pub fn codel(&self, codel: CodelRef) -> &Codel {
-        &self.codels_of(codel.owner)[codel.index as usize]
+        &self.codels_of(codel.owner)[codel.index]
     }
 
     /// Everything that has codels: tasks in order, then services in order.
@@ -526,7 +526,7 @@ impl Component {
     /// Every codel: those of tasks in order, then those of services in order.
     pub fn all_codels(&self) -> impl Iterator<Item = CodelRef> + '_ {
         self.owners().flat_map(|owner| {
-            (0..self.codels_of(owner).len() as u32).map(move |index| CodelRef { owner, index })
+            self.codels_of(owner).keys().map(move |index| CodelRef { owner, index })
         })
     }
 

@@ -7,7 +7,7 @@ use dotgen_analysis::model::fsm;
 use dotgen_analysis::model::mutex;
 use dotgen_analysis::model::path::Way;
 use dotgen_analysis::model::turn::Turn;
-use dotgen_analysis::model::{Codel, CodelRef, Component, Owner, Seconds, Spec, Src};
+use dotgen_analysis::model::{Codel, CodelId, CodelRef, Component, Owner, Seconds, Spec, Src};
 use dotgen_analysis::quantity;
 use dotgen_analysis::quantity::load;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -89,7 +89,7 @@ struct Locks<'a> {
 
 impl Locks<'_> {
     /// Names of the codels that a codel excludes, each once.
-    fn of(&self, index: u32) -> Vec<String> {
+    fn of(&self, index: CodelId) -> Vec<String> {
         let codel = CodelRef { owner: self.owner, index };
         mutex::excluded_names(self.spec, self.component, codel)
     }
@@ -107,7 +107,7 @@ struct Machine<'a> {
 }
 
 impl Machine<'_> {
-    fn codel(&mut self, index: u32, codel: &Codel) {
+    fn codel(&mut self, index: CodelId, codel: &Codel) {
         let states: Vec<String> = codel.triggers.iter().map(|s| s.name.to_string()).collect();
         let mut id = states.join("+");
         if id.is_empty() || self.graph.nodes.iter().any(|n| n.id == id) {

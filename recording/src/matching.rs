@@ -127,19 +127,19 @@ fn in_state(component: &Component, owner: Owner, state: &str) -> Option<CodelRef
     let has = |codel: &Codel| {
         codel.kind == CodelKind::Fsm && codel.triggers.iter().any(|trigger| trigger.name == state)
     };
-    let index = component.codels_of(owner).iter().position(has)?;
-    Some(CodelRef { owner, index: index as u32 })
+    let index = component.codels_of(owner).position(has)?;
+    Some(CodelRef { owner, index })
 }
 
 fn of_control(component: &Component, kind: &LineKind) -> Option<CodelRef> {
     let service = component.services.position(|of| of.name == kind.service)?;
     let owner = Owner::Service(service);
     let validates = kind.from == "validate";
-    let index = component.codels_of(owner).iter().position(|codel| {
+    let index = component.codels_of(owner).position(|codel| {
         let wanted = if validates { CodelKind::Validate } else { CodelKind::Simple };
         codel.kind == wanted && codel.name == kind.function
     })?;
-    Some(CodelRef { owner, index: index as u32 })
+    Some(CodelRef { owner, index })
 }
 
 /// Returns the reason why a control task executes no codel.

@@ -35,7 +35,7 @@ pub(super) fn check(spec: &Spec, component: &Component, found: &mut Vec<Finding>
     }
     for task in &component.tasks {
         let owner = Owner { what: "task", name: &task.name, src: task.src, throws: &task.throws };
-        check_machine(spec, &owner, &task.codels, found);
+        check_machine(spec, &owner, &Machine::new(&task.codels), found);
     }
     for service in &component.services {
         let owner = Owner {
@@ -44,12 +44,11 @@ pub(super) fn check(spec: &Spec, component: &Component, found: &mut Vec<Finding>
             src: service.src,
             throws: &service.throws,
         };
-        check_machine(spec, &owner, &service.codels, found);
+        check_machine(spec, &owner, &Machine::new(&service.codels), found);
     }
 }
 
-fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut Vec<Finding>) {
-    let machine = Machine::new(codels);
+fn check_machine(spec: &Spec, owner: &Owner<'_>, machine: &Machine<'_>, found: &mut Vec<Finding>) {
     if machine.is_empty() {
         return;
     }
@@ -66,7 +65,7 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
         found.push(Finding::new(CodelProblem::StopWithoutEther { owner: owner.name() }, stop.src));
     }
     reached.extend(from_stop);
-    let misnamed = misnamed(&machine);
+    let misnamed = misnamed(machine);
     for (&(state, src), used) in &misnamed {
         let kind = CodelProblem::Misnamed { state: state.clone(), owner: owner.name() };
         found.push(Finding::new(kind, src).near(Some(Near::new(src, used))));
@@ -79,9 +78,9 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
     for ((_, codel), before) in machine.codels.iter().zip(before) {
         let mut triggers = codel.triggers.iter();
         if triggers.any(|trigger| reached.contains(trigger.name.as_str())) {
-            check_transitions(spec, owner, &machine, &misnamed, codel, found);
+            check_transitions(spec, owner, machine, &misnamed, codel, found);
         } else if complete && !is_misnamed(codel) {
-            found.extend(unreachable(owner, &machine, codel, before));
+            found.extend(unreachable(owner, machine, codel, before));
         }
     }
 }

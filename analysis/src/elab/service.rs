@@ -3,6 +3,7 @@
 use crate::finding::role::Role;
 use rustc_hash::FxHashMap;
 use smol_str::SmolStr;
+use typed_index_collections::TiVec;
 
 use super::{
     AccessKind, DefId, DefKind, Entity,
@@ -177,7 +178,7 @@ impl<'a> Elaborator<'a> {
             doc: None,
             task: None,
             params: Vec::new(),
-            codels: Vec::new(),
+            codels: TiVec::new(),
             throws: Vec::new(),
             interrupts: ServiceList::default(),
             before: ServiceList::default(),

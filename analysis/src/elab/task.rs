@@ -3,6 +3,7 @@
 use crate::finding::role::Role;
 use num_rational::Ratio;
 use rustc_hash::FxHashMap;
+use typed_index_collections::TiVec;
 
 use super::{
     AccessKind, DefId, DefKind, Entity,
@@ -72,7 +73,7 @@ impl<'a> Elaborator<'a> {
             real_time: false,
             stack: None,
             throws: Vec::new(),
-            codels: Vec::new(),
+            codels: TiVec::new(),
             imported_from,
         });
         let state = &mut self.components[c];

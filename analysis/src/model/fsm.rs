@@ -2,23 +2,24 @@
 //! reference, section 13).
 
 use rustc_hash::{FxHashMap, FxHashSet};
+use typed_index_collections::TiSlice;
 
-use super::{Codel, CodelKind, Name};
+use super::{Codel, CodelId, CodelKind, Name};
 
 /// The machine of one task or activity.
 #[derive(Debug, Clone)]
 pub struct Machine<'m> {
     /// The codels, with their index among all codels of the owner.
-    pub codels: Vec<(u32, &'m Codel)>,
+    pub codels: Vec<(CodelId, &'m Codel)>,
     /// The codel of each state, by position in `codels`.
     by_state: FxHashMap<&'m str, usize>,
 }
 
 impl<'m> Machine<'m> {
     /// The machine of some codels; those without states are left out.
-    pub fn new(codels: &'m [Codel]) -> Self {
-        let codels: Vec<(u32, &Codel)> =
-            (0..).zip(codels).filter(|(_, number)| number.kind == CodelKind::Fsm).collect();
+    pub fn new(codels: &'m TiSlice<CodelId, Codel>) -> Self {
+        let codels: Vec<(CodelId, &Codel)> =
+            codels.iter_enumerated().filter(|(_, number)| number.kind == CodelKind::Fsm).collect();
         let mut by_state = FxHashMap::default();
         for (position, (_, codel)) in codels.iter().enumerate() {
             for state in &codel.triggers {
@@ -39,7 +40,7 @@ impl<'m> Machine<'m> {
     }
 
     /// The codel of a state, with its index among all codels of the owner.
-    pub fn codel(&self, state: &str) -> Option<(u32, &'m Codel)> {
+    pub fn codel(&self, state: &str) -> Option<(CodelId, &'m Codel)> {
         self.by_state.get(state).map(|state| self.codels[*state])
     }
 

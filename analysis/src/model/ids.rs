@@ -32,6 +32,8 @@ macro_rules! ids {
 pub(crate) use ids;
 
 ids! {
+    /// A codel: an index into those of its [`Owner`](super::Owner).
+    pub CodelId
     /// A component or interface: an index into [`Spec::components`](super::Spec::components).
     pub ComponentId
     /// A port: an index into [`Component::ports`](super::Component::ports).

@@ -96,14 +96,14 @@ pub fn exclusions(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<Ex
         if task == Some(number) {
             continue;
         }
-        for (index, codel) in (0..).zip(&other.codels) {
+        for (index, codel) in other.codels.iter_enumerated() {
             let through = collisions(spec, own, codel);
             add(Excluded::Codel(CodelRef { owner, index }), through);
         }
     }
     for (number, service) in component.services.iter_enumerated() {
         let owner = Owner::Service(number);
-        for (index, codel) in (0..).zip(&service.codels) {
+        for (index, codel) in service.codels.iter_enumerated() {
             if task.is_some() && codel.kind != CodelKind::Fsm {
                 let through = collisions(spec, own, codel);
                 add(Excluded::Codel(CodelRef { owner, index }), through);
@@ -112,7 +112,7 @@ pub fn exclusions(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<Ex
         if service.task == task || (task.is_some() && interrupts(service, codel)) {
             continue;
         }
-        for (index, codel) in (0..).zip(&service.codels) {
+        for (index, codel) in service.codels.iter_enumerated() {
             if codel.kind == CodelKind::Fsm {
                 let through = collisions(spec, own, codel);
                 add(Excluded::Codel(CodelRef { owner, index }), through);

@@ -104,7 +104,7 @@ impl TypeIds for Component {
                 quantity.for_each_type_id(f);
             }
             task.throws.for_each_type_id(f);
-            task.codels.for_each_type_id(f);
+            task.codels.raw.for_each_type_id(f);
         }
         for port in &mut self.ports {
             f(&mut port.data);
@@ -112,7 +112,7 @@ impl TypeIds for Component {
         }
         for service in &mut self.services {
             service.params.for_each_type_id(f);
-            service.codels.for_each_type_id(f);
+            service.codels.raw.for_each_type_id(f);
             service.throws.for_each_type_id(f);
         }
         for remote in &mut self.remotes {

@@ -20,7 +20,7 @@ impl Writer<'_> {
         owner: Owner,
         kind: Option<CodelKind>,
     ) -> Json {
-        let codels = (0..).zip(component.codels_of(owner));
+        let codels = component.codels_of(owner).iter_enumerated();
         codels
             .filter(|(_, codel)| kind.is_none_or(|kind| codel.kind == kind))
             .map(|(index, codel)| self.codel(component, CodelRef { owner, index }, codel))

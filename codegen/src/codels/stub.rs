@@ -120,7 +120,7 @@ impl<'a> Stubs<'a> {
         let all = component.services.iter_enumerated();
         let services = || all.clone().filter(|(_, service)| self.expected.is_own(service.src));
         let refs = |owner: Owner, kinds: &[CodelKind]| -> Vec<CodelRef> {
-            let codels = (0u32..).zip(component.codels_of(owner));
+            let codels = component.codels_of(owner).iter_enumerated();
             codels
                 .filter(|codel| kinds.contains(&codel.1.kind) && self.expected.is_own(codel.1.src))
                 .map(|(index, _)| CodelRef { owner, index })

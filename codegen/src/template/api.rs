@@ -200,8 +200,8 @@ impl Model<'_> {
     ) -> Answer {
         let declaration = self.spec.component(component);
         let mut states: Vec<(&str, TypeId, CodelRef)> = Vec::new();
-        for (index, codel) in declaration.codels_of(owner).iter().enumerate() {
-            let at = CodelRef { owner, index: index as u32 };
+        for (index, codel) in declaration.codels_of(owner).iter_enumerated() {
+            let at = CodelRef { owner, index };
             for trigger in codel.triggers.iter().filter(|_| codel.kind == CodelKind::Fsm) {
                 if !states.iter().any(|(name, ..)| *name == trigger.name) {
                     states.push((&trigger.name, trigger.event, at));

@@ -89,8 +89,8 @@ impl<'a> SeenCodels<'a> {
     }
 
     fn add(&mut self, owner: Owner, wanted: impl Fn(&Codel) -> bool) {
-        for (index, codel) in self.component.codels_of(owner).iter().enumerate() {
-            let at = CodelRef { owner, index: index as u32 };
+        for (index, codel) in self.component.codels_of(owner).iter_enumerated() {
+            let at = CodelRef { owner, index };
             let service = match owner {
                 Owner::Service(service) => Some(service),
                 Owner::Task(_) => None,

@@ -217,8 +217,8 @@ impl Registry {
                 }
             }
             let owner_name = format!("{word} {owner_name}");
-            for (codel_index, codel) in component.codels_of(owner).iter().enumerate() {
-                let at = CodelRef { owner, index: codel_index as u32 };
+            for (codel_index, codel) in component.codels_of(owner).iter_enumerated() {
+                let at = CodelRef { owner, index: codel_index };
                 let count = alike.entry((owner_name.clone(), codel.src)).or_default();
                 let identity = Identity::Codel(name.clone(), owner_name.clone(), codel.src, *count);
                 *count += 1;

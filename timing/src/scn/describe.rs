@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use dotgen_analysis::model::{Codel, CodelKind, Component, Owner, Quantity, Src};
+use dotgen_analysis::model::{Codel, CodelKind, Owner, Quantity, Src};
 
 use super::ast::Scenario;
 use super::lexer::{Kind, lex};
@@ -85,7 +85,7 @@ impl Names<'_> {
                 (form, "data of a port, which runs and recordings have".to_owned())
             }
             Target::State(c, owner, index, state) => {
-                let codel = codel_at(component(*c), *owner, *index);
+                let codel = component(*c).codels_of(*owner).get(*index);
                 let meaning = codel.map_or(String::new(), |codel| of_codel(codel, Some(state)));
                 (
                     codel.map_or(String::new(), |codel| format!("codel<{state}> {}", codel.name)),
@@ -93,7 +93,7 @@ impl Names<'_> {
                 )
             }
             &Target::Codel(c, s, index) => {
-                let codel = codel_at(component(c), Owner::Service(s), index);
+                let codel = component(c).codels_of(Owner::Service(s)).get(index);
                 let form = codel.map_or(String::new(), |codel| match codel.kind {
                     CodelKind::Validate => format!("validate {}", codel.name),
                     _ => format!("codel {}", codel.name),
@@ -126,23 +126,19 @@ impl Names<'_> {
                 (c, self.data_type(target).map(|ty| self.components[c].spec.ty(ty).src))
             }
             Target::State(c, owner, index, state) => {
-                let codel = codel_at(member(*c).1, *owner, *index);
+                let codel = member(*c).1.codels_of(*owner).get(*index);
                 let trigger = codel
                     .and_then(|codel| codel.triggers.iter().find(|trigger| trigger.name == *state));
                 (*c, trigger.map(|trigger| trigger.src))
             }
             &Target::Codel(c, s, index) => {
-                let codel = codel_at(member(c).1, Owner::Service(s), index);
+                let codel = member(c).1.codels_of(Owner::Service(s)).get(index);
                 (c, codel.map(|codel| codel.src))
             }
             Target::Client(_) | Target::Step(..) | Target::Status(_) => return None,
         };
         Some((member(c).0, src?))
     }
-}
-
-fn codel_at(component: &Component, owner: Owner, index: u32) -> Option<&Codel> {
-    component.codels_of(owner).get(index as usize)
 }
 
 fn of_codel(codel: &Codel, state: Option<&str>) -> String {

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use dotgen_analysis::model::{
-    CodelKind, Component, ComponentKind, Owner, PortId, ServiceId, ServiceKind, Spec, TaskId,
-    TypeId, TypeKind,
+    CodelId, CodelKind, Component, ComponentKind, Owner, PortId, ServiceId, ServiceKind, Spec,
+    TaskId, TypeId, TypeKind,
 };
 use dotgen_syntax::suggestion::nearest;
 
@@ -43,9 +43,9 @@ pub enum Target {
     /// A member of the data of a port: component, index of the port, names of the members that lead to it.
     Member(usize, PortId, Vec<String>),
     /// A codel state: component, owner, index of the codel, name of the state.
-    State(usize, Owner, u32, String),
+    State(usize, Owner, CodelId, String),
     /// A codel of the control task: component, service, index of the codel.
-    Codel(usize, ServiceId, u32),
+    Codel(usize, ServiceId, CodelId),
     /// A client of the scenario.
     Client(String),
     /// A step of a client: client, label or name of the service.
@@ -166,7 +166,7 @@ impl<'a> Names<'a> {
     /// Returns a state of a machine, or a codel of the control task by its name or as `validate`.
     fn state(&self, c: usize, owner: Owner, name: &str) -> Option<Target> {
         let component = self.components[c].component;
-        for (index, codel) in (0..).zip(component.codels_of(owner)) {
+        for (index, codel) in component.codels_of(owner).iter_enumerated() {
             if codel.kind == CodelKind::Fsm {
                 if codel.triggers.iter().any(|trigger| trigger.name == name) {
                     return Some(Target::State(c, owner, index, name.to_owned()));
@@ -282,7 +282,7 @@ impl<'a> Names<'a> {
 
     fn states(&self, c: usize, owner: Owner, out: &mut Vec<(String, Target)>) {
         let component = self.components[c].component;
-        for (index, codel) in (0..).zip(component.codels_of(owner)) {
+        for (index, codel) in component.codels_of(owner).iter_enumerated() {
             match (codel.kind, owner) {
                 (CodelKind::Fsm, _) => {
                     for state in &codel.triggers {

@@ -144,7 +144,7 @@ pub(super) struct Builder<'b> {
     names: &'b Names<'b>,
     settings: &'b Settings,
     /// Overridden durations by component, owner, index of the codel and state.
-    durations: HashMap<(usize, Owner, u32, String), usize>,
+    durations: HashMap<(usize, Owner, Option<model::CodelId>, String), usize>,
     /// Places of the loop limits of machines, in the scenario.
     loop_rules: HashMap<MachineId, Range<usize>>,
     /// Numbers of slots of activities, if the scenario states them.

@@ -5,6 +5,7 @@ mod values;
 
 use rustc_hash::FxHashMap;
 use smol_str::SmolStr;
+use typed_index_collections::TiSlice;
 
 use super::{
     CompletionKind, Completions,
@@ -18,7 +19,7 @@ use crate::{
         context::{BodyKind, Context, Frame, FrameKind, Word},
         render,
     },
-    model::{Codel, Component, ComponentId, Name, Spec, TypeId, TypeKind},
+    model::{Codel, CodelId, Component, ComponentId, Name, Spec, TypeId, TypeKind},
 };
 
 /// The names visible at the cursor.
@@ -135,7 +136,9 @@ impl<'a, 'db> Names<'a, 'db> {
     }
 
     /// Tasks and services of the component around the cursor, each with its body, its name and its codels.
-    pub(super) fn owners(&self) -> impl Iterator<Item = (BodyKind, &'a Name, &'a [Codel])> {
+    pub(super) fn owners(
+        &self,
+    ) -> impl Iterator<Item = (BodyKind, &'a Name, &'a TiSlice<CodelId, Codel>)> {
         let component = self.component().into_iter();
         component.flat_map(|component| {
             let tasks = component.tasks.iter();

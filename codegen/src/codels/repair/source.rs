@@ -70,7 +70,8 @@ impl Repairs<'_> {
     /// The place of a stub: after the function of the preceding codel, else at the end of the file.
     fn stub_place(&self, file: &IndexedFile, at: CodelRef) -> usize {
         let component = self.expected.component();
-        let before = (0..at.index).rev().map(|index| CodelRef { index, ..at });
+        let before =
+            (0..at.index.into()).rev().map(|index: usize| CodelRef { index: index.into(), ..at });
         for at in before {
             let name = &component.codel(at).name;
             if let Some(function) = file.index().definitions(name).last() {

@@ -73,12 +73,11 @@ pub(super) fn service(
         _ => return Err(wrong_args("$service subcommand")),
     }
     let codels = |wanted: &dyn Fn(CodelKind) -> bool| {
-        let codels = service.codels.iter().enumerate();
+        let codels = service.codels.iter_enumerated();
         let listed = codels.filter(|(_, codel)| wanted(codel.kind));
         model.list(listed.map(|(at, _)| {
             let owner = Owner::Service(index);
-            let index = at as u32;
-            Object::Codel(component, CodelRef { owner, index })
+            Object::Codel(component, CodelRef { owner, index: at })
         }))
     };
     let answer = match method {

@@ -62,12 +62,11 @@ pub(super) fn task(
             Some(model.list(own.map(|(at, _)| Object::Service(component, at))))
         }
         "codels" => {
-            let codels = task.codels.iter().enumerate();
+            let codels = task.codels.iter_enumerated();
             let listed = codels.filter(|(_, codel)| codel.kind != CodelKind::Validate);
             Some(model.list(listed.map(|(at, _)| {
                 let owner = Owner::Task(index);
-                let index = at as u32;
-                Object::Codel(component, CodelRef { owner, index })
+                Object::Codel(component, CodelRef { owner, index: at })
             })))
         }
         "fsm" => Some(model.state_machine(component, Owner::Task(index), words.get(1))),

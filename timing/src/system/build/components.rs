@@ -113,7 +113,7 @@ impl Builder<'_> {
             let id = self.out.system.services.next_key();
             let mut validate = None;
             let mut simple = Vec::new();
-            for (index, codel) in (0..).zip(&service.codels) {
+            for (index, codel) in service.codels.iter_enumerated() {
                 match codel.kind {
                     CodelKind::Fsm => {}
                     CodelKind::Validate => {

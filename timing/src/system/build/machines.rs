@@ -1,6 +1,8 @@
 //! State machines, and codels in their places of use.
 
-use dotgen_analysis::model::{Codel as ModelCodel, CodelKind, CodelRef, Owner, Seconds, ServiceId};
+use dotgen_analysis::model::{
+    self, Codel as ModelCodel, CodelKind, CodelRef, Owner, Seconds, ServiceId,
+};
 
 use super::Builder;
 use super::times::TimeOf;
@@ -20,8 +22,8 @@ impl Builder<'_> {
     ) -> Option<MachineId> {
         let component = self.names.components[c].component;
         let codels = component.codels_of(owner);
-        let mut names: Vec<(String, u32)> = Vec::new();
-        for (index, codel) in (0..).zip(codels) {
+        let mut names: Vec<(String, model::CodelId)> = Vec::new();
+        for (index, codel) in codels.iter_enumerated() {
             if codel.kind == CodelKind::Fsm {
                 names
                     .extend(codel.triggers.iter().map(|trigger| (trigger.name.to_string(), index)));
@@ -33,7 +35,7 @@ impl Builder<'_> {
         let states = names
             .iter()
             .map(|(name, index)| {
-                let codel = &codels[*index as usize];
+                let codel = &codels[*index];
                 let mut yields: Vec<Yield> = Vec::new();
                 for state in &codel.yields {
                     let to = match find(&state.name) {
@@ -80,7 +82,7 @@ impl Builder<'_> {
         c: usize,
         number: ComponentId,
         owner: Owner,
-        index: u32,
+        index: model::CodelId,
         state: &str,
         codel: &ModelCodel,
     ) -> CodelId {
@@ -89,7 +91,7 @@ impl Builder<'_> {
         let path = CodelName::new(&component.name, component.owner_name(owner), name);
         let given = self
             .durations
-            .get(&(c, owner, index, state.to_owned()))
+            .get(&(c, owner, Some(index), state.to_owned()))
             .map(|&duration| self.settings.duration[duration].0.range());
         let of_file = self.given_by(c, codel).filter(|_| codel.wcet.is_none() && given.is_none());
         if let Some((_, file)) = of_file {
@@ -107,8 +109,8 @@ impl Builder<'_> {
             place: self.place(c, codel.src, "this codel"),
         };
         let site = Some((c, CodelRef { owner, index }));
-        self.note_rounding((c, owner, index, state), Some(codel), &path);
-        let times = self.duration(c, owner, index, state, Some(codel));
+        self.note_rounding((c, owner, Some(index), state), Some(codel), &path);
+        let times = self.duration(c, owner, Some(index), state, Some(codel));
         let throws = codel.kind != CodelKind::Validate && self.may_throw(c, owner);
         let id = self.push_codel(number, path, times, site, &time_of);
         self.untimed.extend(untimed.then_some(id));
@@ -124,11 +126,11 @@ impl Builder<'_> {
         path: &str,
     ) -> CodelId {
         let service = &self.names.components[c].component.services[s];
-        self.note_rounding((c, Owner::Service(s), u32::MAX, ""), None, path);
-        let times = self.duration(c, Owner::Service(s), u32::MAX, "", None);
+        self.note_rounding((c, Owner::Service(s), None, ""), None, path);
+        let times = self.duration(c, Owner::Service(s), None, "", None);
         let given = self
             .durations
-            .get(&(c, Owner::Service(s), u32::MAX, String::new()))
+            .get(&(c, Owner::Service(s), None, String::new()))
             .map(|&duration| self.settings.duration[duration].0.range());
         let time_of = TimeOf {
             what: path.to_owned(),

@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
-use dotgen_analysis::model::{Codel as ModelCodel, CodelKind, Owner, Seconds, ServiceKind, TaskId};
+use dotgen_analysis::model::{
+    self, Codel as ModelCodel, CodelKind, Owner, Seconds, ServiceKind, TaskId,
+};
 use dotgen_analysis::quantity;
 use num_rational::Ratio;
 
@@ -26,13 +28,15 @@ impl<'b> Builder<'b> {
     pub(super) fn override_durations(&mut self) {
         for (i, (path, ..)) in self.settings.duration.iter().enumerate() {
             let key = match self.names.resolve(path) {
-                Ok(Target::State(c, owner, index, state)) => (c, owner, index, state),
-                Ok(Target::Codel(c, s, index)) => (c, Owner::Service(s), index, String::new()),
+                Ok(Target::State(c, owner, index, state)) => (c, owner, Some(index), state),
+                Ok(Target::Codel(c, s, index)) => {
+                    (c, Owner::Service(s), Some(index), String::new())
+                }
                 Ok(Target::Service(c, s))
                     if self.names.components[c].component.services[s].kind
                         == ServiceKind::Attribute =>
                 {
-                    (c, Owner::Service(s), u32::MAX, String::new())
+                    (c, Owner::Service(s), None, String::new())
                 }
                 Ok(_) => {
                     let message = format!(
@@ -63,8 +67,13 @@ impl<'b> Builder<'b> {
             for reference in component.all_codels() {
                 let codel = component.codel(reference);
                 let mut add = |state: &str| {
-                    let (a, b) =
-                        self.duration(c, reference.owner, reference.index, state, Some(codel));
+                    let (a, b) = self.duration(
+                        c,
+                        reference.owner,
+                        Some(reference.index),
+                        state,
+                        Some(codel),
+                    );
                     times.push(a);
                     times.extend(b);
                 };
@@ -75,7 +84,7 @@ impl<'b> Builder<'b> {
                 }
             }
             for s in component.services.keys() {
-                let (a, b) = self.duration(c, Owner::Service(s), u32::MAX, "", None);
+                let (a, b) = self.duration(c, Owner::Service(s), None, "", None);
                 times.push(a);
                 times.extend(b);
             }
@@ -89,7 +98,7 @@ impl<'b> Builder<'b> {
         &self,
         c: usize,
         owner: Owner,
-        index: u32,
+        index: Option<model::CodelId>,
         state: &str,
         codel: Option<&ModelCodel>,
     ) -> (Seconds, Option<Seconds>) {
@@ -134,7 +143,7 @@ impl<'b> Builder<'b> {
         &self,
         c: usize,
         owner: Owner,
-        index: u32,
+        index: Option<model::CodelId>,
         state: &str,
         codel: Option<&ModelCodel>,
     ) -> (Seconds, Option<Seconds>) {
@@ -149,9 +158,11 @@ impl<'b> Builder<'b> {
             Some((path, bound))
                 if self.names.resolve(path).is_ok_and(|target| match target {
                     Target::State(a, b, c2, d) => {
-                        (a, b, c2, d.as_str()) == (c, owner, index, state)
+                        (a, b, Some(c2), d.as_str()) == (c, owner, index, state)
                     }
-                    Target::Codel(a, s, c2) => (a, Owner::Service(s), c2) == (c, owner, index),
+                    Target::Codel(a, s, c2) => {
+                        (a, Owner::Service(s), Some(c2)) == (c, owner, index)
+                    }
                     _ => false,
                 }) =>
             {
@@ -168,7 +179,7 @@ impl<'b> Builder<'b> {
     /// Records the rounding of a time, and the unit in which all times of codels are whole.
     pub(super) fn note_rounding(
         &mut self,
-        (c, owner, index, state): (usize, Owner, u32, &str),
+        (c, owner, index, state): (usize, Owner, Option<model::CodelId>, &str),
         codel: Option<&ModelCodel>,
         path: &str,
     ) {

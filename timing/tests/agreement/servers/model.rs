@@ -327,14 +327,15 @@ impl Reader<'_> {
             codels.len() - 1
         };
         let mut machine = |owner: Owner, throws: bool| {
-            let list: Vec<(u32, &model::Codel)> = (0..).zip(component.codels_of(owner)).collect();
-            let mut names: Vec<(&str, u32)> = Vec::new();
-            for &(index, codel) in list.iter().filter(|(_, codel)| codel.kind == CodelKind::Fsm) {
+            let list = component.codels_of(owner);
+            let mut names: Vec<(&str, model::CodelId)> = Vec::new();
+            let fsm = list.iter_enumerated().filter(|(_, codel)| codel.kind == CodelKind::Fsm);
+            for (index, codel) in fsm {
                 names.extend(codel.triggers.iter().map(|trigger| (trigger.name.as_str(), index)));
             }
             let find = |name: &str| names.iter().position(|candidate| candidate.0 == name);
             let states = names.iter().map(|&(name, index)| {
-                let yields = list[index as usize].1.yields.iter();
+                let yields = list[index].yields.iter();
                 let mut outcomes: Vec<Outcome> = yields
                     .map(|to| match find(&to.name) {
                         _ if to.name == "ether" => Outcome::End,
@@ -376,7 +377,7 @@ impl Reader<'_> {
         let services = component.services.iter_enumerated().map(|(s, service)| {
             let owner = Owner::Service(s);
             let of_kind = |kind: CodelKind| {
-                let all = (0..).zip(&service.codels);
+                let all = service.codels.iter_enumerated();
                 all.filter(move |(_, codel)| codel.kind == kind)
             };
             let mut control: Vec<ControlCodel> = Vec::new();
