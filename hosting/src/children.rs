@@ -13,6 +13,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
 use camino::Utf8PathBuf;
+use dotgen_analysis::model::PortId;
 use dotgen_codegen::process::Process;
 use dotgen_runtime::hosts::{
     Call, Delegation, HostMachine, Hosts, Message, Reader, ReplyError, RequestReply, Source,
@@ -531,7 +532,7 @@ impl Hosts for Children {
         }
     }
 
-    fn published(&mut self, component: ComponentId, port: u32, id: &str, data: &[u8]) {
+    fn published(&mut self, component: ComponentId, port: PortId, id: &str, data: &[u8]) {
         for listener in &mut self.outside {
             listener.published(component, port, id, data);
         }

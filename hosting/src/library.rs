@@ -9,6 +9,7 @@ use std::io;
 use std::path::Path;
 use std::sync::{Mutex, OnceLock};
 
+use dotgen_analysis::model::PortId;
 use dotgen_codegen::codels::glue::ENTRIES;
 use dotgen_runtime::hosts::{CodelEnd, PortWrite};
 use libloading::Library;
@@ -123,7 +124,7 @@ impl Component {
     ///
     /// # Errors
     /// The shared memory cannot be opened.
-    pub(super) fn share(&self, port: u32, id: &str, path: &str) -> io::Result<()> {
+    pub(super) fn share(&self, port: PortId, id: &str, path: &str) -> io::Result<()> {
         let id = CString::new(id)?;
         let view = View::open(path)?;
         let address = view.address();
@@ -131,7 +132,7 @@ impl Component {
         views.push(view);
         // SAFETY: the name ends with a zero and is only read. The view keeps its address until the glue
         // returns it.
-        let before = unsafe { (self.share)(port, id.as_ptr(), address) };
+        let before = unsafe { (self.share)(port.0, id.as_ptr(), address) };
         views.retain(|view| view.address() != before);
         Ok(())
     }
@@ -179,7 +180,7 @@ fn outcome(bytes: &[u8]) -> Option<CodelOutcome> {
     let count = reader.number()?;
     let mut written = Vec::new();
     for _ in 0..count {
-        let port = reader.number()?;
+        let port = PortId(reader.number()?);
         let id = reader.text()?;
         let data = match reader.number()? {
             0 => Some(reader.bytes()?.to_vec()),

@@ -45,7 +45,7 @@ pub struct NetworkOptions<'a> {
     /// Zenoh endpoints of other runs, or of routers.
     pub connect: &'a [String],
     /// Component, input port, and the key that the port reads.
-    pub reads: &'a [(ComponentId, u32, String)],
+    pub reads: &'a [(ComponentId, PortId, String)],
     /// Receives the components of other runs.
     pub remote: &'a RemoteComponents,
 }
@@ -66,7 +66,7 @@ pub struct Network {
 pub fn join(
     wanted: NetworkOptions<'_>,
     known: &BTreeMap<ComponentId, KnownComponent>,
-    is_fed: &dyn Fn(ComponentId, u32) -> bool,
+    is_fed: &dyn Fn(ComponentId, PortId) -> bool,
     inbox: &RunInbox,
     tell: &Notifier,
 ) -> Result<(Network, Box<dyn RunListener>), String> {
@@ -88,9 +88,9 @@ pub fn join(
                 continue;
             }
             let chosen =
-                wanted.reads.iter().filter(|entry| entry.0 == component && entry.1 == index.0);
+                wanted.reads.iter().filter(|entry| entry.0 == component && entry.1 == index);
             let mut keys: Vec<String> = chosen.map(|(.., key)| key.clone()).collect();
-            if keys.is_empty() && !is_fed(component, index.0) {
+            if keys.is_empty() && !is_fed(component, index) {
                 keys.push(format!("*/{}", port.name));
                 if port.multiple {
                     keys.push(format!("*/{}/*", port.name));
@@ -102,7 +102,7 @@ pub fn join(
                     ty: port.data,
                     path: format!("{}.{}", entry.component().name, port.name),
                     component,
-                    port: index.0,
+                    port: index,
                     multiple: port.multiple,
                     inbox: inbox.clone(),
                     tell: tell.clone(),
@@ -154,7 +154,7 @@ struct Input {
     ty: TypeId,
     path: String,
     component: ComponentId,
-    port: u32,
+    port: PortId,
     multiple: bool,
     inbox: RunInbox,
     tell: Notifier,
@@ -229,7 +229,7 @@ struct Outputs {
     session: Session,
     known: BTreeMap<ComponentId, KnownComponent>,
     /// By component, port and instance; `None` for an invalid key.
-    publishers: HashMap<(ComponentId, u32, String), Option<Publisher<'static>>>,
+    publishers: HashMap<(ComponentId, PortId, String), Option<Publisher<'static>>>,
     tell: Notifier,
 }
 
@@ -263,11 +263,11 @@ impl RunListener for Outputs {
         self.publishers.retain(|publisher, _| publisher.0 != component);
     }
 
-    fn published(&mut self, component: ComponentId, port: u32, id: &str, data: &[u8]) {
+    fn published(&mut self, component: ComponentId, port: PortId, id: &str, data: &[u8]) {
         let Some(known) = self.known.get(&component) else {
             return;
         };
-        let Some(of) = known.component().ports.get(PortId(port)) else {
+        let Some(of) = known.component().ports.get(port) else {
             return;
         };
         let place = (component, port, id.to_owned());

@@ -56,7 +56,7 @@ pub struct Ros2Options<'a> {
 pub fn join(
     wanted: Ros2Options<'_>,
     known: &BTreeMap<ComponentId, KnownComponent>,
-    is_fed: &dyn Fn(ComponentId, u32) -> bool,
+    is_fed: &dyn Fn(ComponentId, PortId) -> bool,
     inbox: &RunInbox,
     tell: &Notifier,
 ) -> Result<Box<dyn RunListener>, String> {
@@ -83,7 +83,7 @@ pub fn join(
 fn nodes(
     wanted: Ros2Options<'_>,
     known: &BTreeMap<ComponentId, KnownComponent>,
-    is_fed: &dyn Fn(ComponentId, u32) -> bool,
+    is_fed: &dyn Fn(ComponentId, PortId) -> bool,
     tell: &Notifier,
 ) -> Result<BTreeMap<ComponentId, Node>, String> {
     let mut found = BTreeMap::new();
@@ -95,7 +95,7 @@ fn nodes(
                 let refused = node.refused.iter();
                 refused.for_each(|refusal| tell(&refusal.to_string()));
                 node.endpoints.retain(|endpoint| match (endpoint.kind, endpoint.part) {
-                    (Kind::Subscription, Part::Port(port)) => !is_fed(component, port.0),
+                    (Kind::Subscription, Part::Port(port)) => !is_fed(component, port),
                     _ => true,
                 });
                 found.insert(component, node);
@@ -136,7 +136,7 @@ struct Nodes {
     requests: Arc<Requests>,
     joined: BTreeMap<ComponentId, Joined>,
     /// Ports, as component and index, with data that had no message, which was reported.
-    unpublished: BTreeSet<(ComponentId, u32)>,
+    unpublished: BTreeSet<(ComponentId, PortId)>,
     tell: Notifier,
 }
 
@@ -145,7 +145,7 @@ struct Joined {
     node: Node,
     number: u32,
     /// By output port and instance; `None` for an instance without a name in ROS 2.
-    topics: HashMap<(u32, String), Option<Topic>>,
+    topics: HashMap<(PortId, String), Option<Topic>>,
     _tokens: Vec<LivelinessToken>,
     _subscribers: Vec<Subscriber<()>>,
     _queryables: Vec<Queryable<()>>,
@@ -180,12 +180,12 @@ impl Nodes {
                 }
                 (Kind::Publisher, Part::Port(port)) => {
                     if !endpoint.multiple {
-                        topics.insert((port.0, String::new()), Some(topic()?));
+                        topics.insert((port, String::new()), Some(topic()?));
                     }
                 }
                 (Kind::Subscription, Part::Port(port)) => {
                     let conversion = node.conversions.get(&port).cloned();
-                    let input = self.input(component, port.0, endpoint.multiple, conversion);
+                    let input = self.input(component, port, endpoint.multiple, conversion);
                     let subscriber = self.session.declare_subscriber(key);
                     let subscriber = subscriber.callback(move |sample| input.hear(&sample));
                     subscribers.push(subscriber.wait()?);
@@ -216,7 +216,7 @@ impl Nodes {
     fn input(
         &self,
         component: ComponentId,
-        port: u32,
+        port: PortId,
         multiple: bool,
         conversion: Option<Conversion>,
     ) -> Input {
@@ -232,9 +232,9 @@ impl Nodes {
     }
 
     /// Declares the topic of an instance of a `multiple` output port.
-    fn instance(&self, node: &Node, number: u32, port: u32, name: &str) -> Option<Topic> {
+    fn instance(&self, node: &Node, number: u32, port: PortId, name: &str) -> Option<Topic> {
         let mut all = node.endpoints.iter();
-        let endpoint: &Endpoint = all.find(|endpoint| endpoint.part == Part::Port(PortId(port)))?;
+        let endpoint: &Endpoint = all.find(|endpoint| endpoint.part == Part::Port(port))?;
         let topic = endpoint.instance(name).and_then(|instance| {
             let topic = Topic::new(&self.session, self.id(node, number), &instance, self.number());
             topic.map_err(|error| error.to_string())
@@ -264,7 +264,7 @@ impl RunListener for Nodes {
         self.joined.remove(&component);
     }
 
-    fn published(&mut self, component: ComponentId, port: u32, id: &str, data: &[u8]) {
+    fn published(&mut self, component: ComponentId, port: PortId, id: &str, data: &[u8]) {
         let place = (port, id.to_owned());
         let Some(joined) = self.joined.get(&component) else {
             return;
@@ -286,8 +286,8 @@ impl RunListener for Nodes {
         };
         let known = &self.requests.known[&component];
         let declaration = known.component();
-        let declared = &declaration.ports[PortId(port)];
-        let conversion = joined.node.conversions.get(&PortId(port));
+        let declared = &declaration.ports[port];
+        let conversion = joined.node.conversions.get(&port);
         let message = match conversion {
             Some(conversion) => conversion.message(&known.spec, data, now()),
             None => Payloads::new(&known.spec, declaration).message(declared.data, data).map(Some),
@@ -311,7 +311,7 @@ impl RunListener for Nodes {
 struct Input {
     known: KnownComponent,
     component: ComponentId,
-    port: u32,
+    port: PortId,
     multiple: bool,
     /// The conversion from a common message.
     conversion: Option<Conversion>,
@@ -331,7 +331,7 @@ impl Input {
         let instance = sample.key_expr().as_str().rsplit('/').nth(2);
         let name = instance.filter(|_| self.multiple).unwrap_or_default();
         let component = self.known.component();
-        let ty = component.ports[PortId(self.port)].data;
+        let ty = component.ports[self.port].data;
         let (spec, payload) = (&self.known.spec, payload.to_bytes());
         let data = match &self.conversion {
             Some(conversion) => conversion.data(spec, &payload),

@@ -122,7 +122,7 @@ struct Shared {
 }
 
 /// An input port, by component and number, and the name by which it finds a source.
-type Place = (ComponentId, u32, String);
+type Place = (ComponentId, PortId, String);
 
 #[derive(Default)]
 struct State {
@@ -143,9 +143,9 @@ struct State {
     /// The first violations, as the last event of each.
     violations: Vec<Value>,
     /// The newest data of output ports.
-    data: HashMap<(ComponentId, u32, String), Vec<u8>>,
+    data: HashMap<(ComponentId, PortId, String), Vec<u8>>,
     /// Input ports that clients have connected: the component, output port and instance of each source.
-    connected: HashMap<Place, (ComponentId, u32, String)>,
+    connected: HashMap<Place, (ComponentId, PortId, String)>,
     /// Input ports that clients have written, with the data that the engine has not taken yet.
     written: HashMap<Place, Arc<InputSlot>>,
     /// Components that have ended, with the way in which each ended.
@@ -162,7 +162,7 @@ struct PendingRequest {
 
 struct Watcher {
     component: ComponentId,
-    port: u32,
+    port: PortId,
     client: Client,
     id: Value,
 }
@@ -519,12 +519,12 @@ impl RunListener for EngineListener {
         });
     }
 
-    fn published(&mut self, component: ComponentId, port: u32, id: &str, data: &[u8]) {
+    fn published(&mut self, component: ComponentId, port: PortId, id: &str, data: &[u8]) {
         let mut state = self.shared.state();
         let Some(known) = self.shared.known.get(&component) else {
             return;
         };
-        let ty = known.component().ports[PortId(port)].data;
+        let ty = known.component().ports[port].data;
         let mut value = None;
         let of = state.watchers.iter();
         for watcher in of.filter(|watcher| (watcher.component, watcher.port) == (component, port)) {

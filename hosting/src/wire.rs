@@ -2,6 +2,7 @@
 
 use std::io::{self, Read, Write};
 
+use dotgen_analysis::model::PortId;
 use dotgen_runtime::hosts::{Call, CodelResult, Delegation, HostMachine};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -32,7 +33,7 @@ pub(super) enum HostCommand {
     /// Ends a request.
     End { service: u32, instance: u32 },
     /// Gives an input port the path of its [data](super::shared_data).
-    Share { port: u32, id: String, path: String },
+    Share { port: PortId, id: String, path: String },
     /// Answers a request of a codel: with the outputs, or a system error.
     Answered {
         ask: u32,
@@ -192,8 +193,8 @@ mod tests {
             name: "::a::b".to_owned(),
             detail: vec![1, 2],
             written: vec![
-                PortWrite { port: 1, id: "x".to_owned(), data: Some(vec![9]) },
-                PortWrite { port: 2, id: String::new(), data: None },
+                PortWrite { port: PortId(1), id: "x".to_owned(), data: Some(vec![9]) },
+                PortWrite { port: PortId(2), id: String::new(), data: None },
             ],
         };
         let reply = HostMessage::CodelResult(ran);

@@ -2,6 +2,7 @@
 //! services, codels and ports as in the model of their component. An attribute has one more codel, which
 //! copies its values.
 
+use dotgen_analysis::model::PortId;
 use dotgen_timing::system::{ComponentId, ServiceId};
 use serde::{Deserialize, Serialize};
 
@@ -88,7 +89,7 @@ pub enum DelegatedYield {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Source<'a> {
     pub component: ComponentId,
-    pub port: u32,
+    pub port: PortId,
     /// Instance; empty if the port is not `multiple`.
     pub id: &'a str,
 }
@@ -97,7 +98,7 @@ pub struct Source<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Reader<'a> {
     pub component: ComponentId,
-    pub port: u32,
+    pub port: PortId,
     /// Name by which the input distinguishes its sources; empty if the port is not `multiple`.
     pub name: &'a str,
 }
@@ -116,7 +117,7 @@ pub enum CodelEnd {
 /// Output of a codel to a port.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PortWrite {
-    pub port: u32,
+    pub port: PortId,
     /// Instance, if the port is `multiple`.
     pub id: String,
     /// New data; `None` if the instance was opened or closed.
@@ -174,11 +175,11 @@ pub enum RequestReply {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Connection {
     /// Component and output port.
-    pub from: (ComponentId, u32),
+    pub from: (ComponentId, PortId),
     /// Instance of the output; empty if the port is not `multiple`.
     pub id: String,
     /// Component and input port.
-    pub to: (ComponentId, u32),
+    pub to: (ComponentId, PortId),
     /// Name by which the input finds the source; empty if the input is not `multiple`.
     pub name: String,
 }
@@ -238,7 +239,7 @@ pub enum Message {
     /// New data from outside for an input port: of another machine, or of a client.
     Fed {
         component: ComponentId,
-        port: u32,
+        port: PortId,
         /// Name by which the input finds the source; empty if the port is not `multiple`.
         name: String,
         data: Vec<u8>,
@@ -320,5 +321,5 @@ pub trait Hosts {
     fn gone(&mut self, component: ComponentId, why: &str);
 
     /// Publishes new data of an output port.
-    fn published(&mut self, component: ComponentId, port: u32, id: &str, data: &[u8]);
+    fn published(&mut self, component: ComponentId, port: PortId, id: &str, data: &[u8]);
 }

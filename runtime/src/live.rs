@@ -15,6 +15,7 @@ mod requests;
 use std::collections::{HashMap, VecDeque};
 use std::time::Duration;
 
+use dotgen_analysis::model::PortId;
 use dotgen_timing::explore::{Action, Seen, Stepper, Work};
 use dotgen_timing::property::DataFact;
 use dotgen_timing::system::{CodelId, ComponentId, ServiceId, TaskId, TimedSystem, Yield};
@@ -87,7 +88,7 @@ pub struct Live<'p> {
     /// Violations to be reported.
     broken: Vec<CodelViolation>,
     /// Output ports that were written since the engine asked.
-    written: Vec<(ComponentId, u32)>,
+    written: Vec<(ComponentId, PortId)>,
     /// Port data is kept for a recording, in `published`.
     keeps_data: bool,
     published: Vec<PortUpdate>,
@@ -200,7 +201,7 @@ impl<'p> Live<'p> {
     }
 
     /// Returns the output ports that were written since the last call.
-    pub(crate) fn take_written(&mut self) -> Vec<(ComponentId, u32)> {
+    pub(crate) fn take_written(&mut self) -> Vec<(ComponentId, PortId)> {
         std::mem::take(&mut self.written)
     }
 
@@ -536,7 +537,7 @@ impl<'p> Live<'p> {
         }
     }
 
-    fn publish(&mut self, component: ComponentId, port: u32, id: &str, data: &[u8]) {
+    fn publish(&mut self, component: ComponentId, port: PortId, id: &str, data: &[u8]) {
         self.hosts.published(component, port, id, data);
         self.written.push((component, port));
         if self.keeps_data {

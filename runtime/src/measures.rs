@@ -97,7 +97,7 @@ impl<'p> Measures<'p> {
         self.begin(|event| match *event {
             MeasureEvent::Stale { component, port, after } => {
                 let units = (after / unit).ceil().to_integer();
-                let age = ports.age(now, (component, port.0));
+                let age = ports.age(now, (component, port));
                 age.is_some_and(|age| i128::from(age) > units)
             }
             _ => false,

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use dotgen_analysis::model::PortId;
 use dotgen_timing::system::ComponentId;
 
 /// An output port: component and number.
-pub type Port = (ComponentId, u32);
+pub type Port = (ComponentId, PortId);
 
 /// The writes of all output ports. Times are those of the present run, in base units.
 #[derive(Debug, Clone, Default)]
@@ -68,7 +69,7 @@ mod tests {
     #[test]
     fn the_data_of_one_run_do_not_age_in_the_next() {
         let mut ports = PortWrites::default();
-        let port = (ComponentId::from(0), 0);
+        let port = (ComponentId::from(0), PortId(0));
         ports.on_write(10, port);
         ports.on_write(14, port);
         assert_eq!(ports.age(20, port), Some(6));

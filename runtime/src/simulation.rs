@@ -3,6 +3,7 @@
 
 use std::io::Write;
 
+use dotgen_analysis::model::PortId;
 use dotgen_timing::explore::{Action, Run, Seen, Stepper, Work};
 use dotgen_timing::system::{ComponentId, ServiceId, Ticks, TimedSystem};
 use dotgen_timing::verify::Prepared;
@@ -363,7 +364,7 @@ impl<W: Write> RunObserver for Observer<'_, '_, '_, '_, W> {
         }
     }
 
-    fn on_port_write(&mut self, stepper: &Stepper, component: ComponentId, port: u32) {
+    fn on_port_write(&mut self, stepper: &Stepper, component: ComponentId, port: PortId) {
         self.ports.on_write(stepper.now(), (component, port));
     }
 

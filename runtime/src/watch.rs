@@ -1,5 +1,6 @@
 //! The interface for observers of a run.
 
+use dotgen_analysis::model::PortId;
 use dotgen_timing::explore::{Action, Seen, Stepper, Work};
 use dotgen_timing::system::ComponentId;
 
@@ -26,7 +27,7 @@ pub trait RunObserver {
     fn moment(&mut self, stepper: &Stepper);
 
     /// Receives a write of an output port.
-    fn on_port_write(&mut self, _stepper: &Stepper, _component: ComponentId, _port: u32) {}
+    fn on_port_write(&mut self, _stepper: &Stepper, _component: ComponentId, _port: PortId) {}
 
     /// Receives new data of an output port.
     fn on_port_update(&mut self, stepper: &Stepper, written: &PortUpdate);
@@ -84,7 +85,7 @@ pub struct PortUpdate {
     /// Component of the system.
     pub component: ComponentId,
     /// Port, by number in the model of the component.
-    pub port: u32,
+    pub port: PortId,
     /// Instance, if the port is `multiple`.
     pub id: String,
     /// Bytes of the value.

@@ -240,7 +240,7 @@ impl Context<'_, '_> {
             let ports = component.ports.iter_enumerated();
             let ports = ports.filter(|(_, port)| port.dir == PortDir::Out);
             ports.map(move |(number, port)| {
-                ((at, number.0), format!("{}/{}", component.name, port.name))
+                ((at, number), format!("{}/{}", component.name, port.name))
             })
         });
         let mut out: Vec<_> = components.collect();

@@ -125,7 +125,7 @@ impl Record for Recording<'_, '_> {
             return;
         };
         let component = &member.component;
-        let Some(port) = component.ports.get(dotgen_analysis::model::PortId(written.port)) else {
+        let Some(port) = component.ports.get(written.port) else {
             return;
         };
         let Ok(value) = Values::new(member.spec).decode(port.data, &written.data) else {

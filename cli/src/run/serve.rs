@@ -208,7 +208,7 @@ fn conversions(
 fn read(
     text: &str,
     known: &BTreeMap<ComponentId, KnownComponent>,
-) -> anyhow::Result<(ComponentId, u32, String)> {
+) -> anyhow::Result<(ComponentId, dotgen_analysis::model::PortId, String)> {
     let split = text.split_once('=').and_then(|(port, key)| {
         let (component, port) = port.split_once('.')?;
         Some((component, port, key))
@@ -225,7 +225,7 @@ fn read(
     let mut ports = declaration.component().ports.iter_enumerated();
     let found = ports.find(|candidate| candidate.1.name == port && candidate.1.dir == PortDir::In);
     match found {
-        Some((index, _)) => Ok((at, index.0, key.to_owned())),
+        Some((index, _)) => Ok((at, index, key.to_owned())),
         None => anyhow::bail!("`--zenoh-read {text}`: `{component}` has no input port `{port}`"),
     }
 }

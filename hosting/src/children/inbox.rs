@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex};
 
+use dotgen_analysis::model::PortId;
 use dotgen_runtime::hosts::{Message, RequestReply};
 
 use crate::wire::HostMessage;
@@ -22,14 +23,14 @@ pub(super) enum EngineEvent {
 /// The newest data from outside for an input port. Data that the engine has not taken yet is replaced.
 pub(crate) struct InputSlot {
     pub(super) component: ComponentId,
-    pub(super) port: u32,
+    pub(super) port: PortId,
     pub(super) name: String,
     data: Mutex<Option<Vec<u8>>>,
 }
 
 impl InputSlot {
     /// Creates an empty slot for a port of a component, and for the name by which the port finds the source.
-    pub(crate) fn new(component: ComponentId, port: u32, name: String) -> InputSlot {
+    pub(crate) fn new(component: ComponentId, port: PortId, name: String) -> InputSlot {
         InputSlot { component, port, name, data: Mutex::default() }
     }
 
@@ -48,7 +49,7 @@ pub trait RunListener {
     /// Receives the end of a component, with the way in which the component ended.
     fn gone(&mut self, component: ComponentId, why: &str);
     /// Receives new data of an output port.
-    fn published(&mut self, component: ComponentId, port: u32, id: &str, data: &[u8]);
+    fn published(&mut self, component: ComponentId, port: PortId, id: &str, data: &[u8]);
 }
 
 /// A sender of messages from outside to the engine.

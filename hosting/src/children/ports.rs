@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use dotgen_analysis::model::PortId;
 use dotgen_runtime::hosts::Reader;
 use dotgen_timing::system::ComponentId;
 
@@ -13,9 +14,9 @@ use crate::wire::HostCommand;
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) enum Origin {
     /// Component, output port and instance.
-    Output(ComponentId, u32, String),
+    Output(ComponentId, PortId, String),
     /// A source outside the run: the component, the input port and the name of the source.
-    Elsewhere(ComponentId, u32, String),
+    Elsewhere(ComponentId, PortId, String),
 }
 
 /// The shared memory with the data of ports that are read.
@@ -24,7 +25,7 @@ pub(super) struct SharedDataPool {
     /// The shared memory of each source, with its number.
     of: HashMap<Origin, (u64, SharedData)>,
     /// The number of the shared memory that each input port reads, by component, port and name of the source.
-    shown: HashMap<(ComponentId, u32, String), u64>,
+    shown: HashMap<(ComponentId, PortId, String), u64>,
     made: u64,
     /// Shared memory that was too small and was replaced. It is kept, because a host may still open it by its
     /// path, and no other memory may get this path.

@@ -12,10 +12,10 @@ pub(super) fn newest(
     shared: &Shared,
     state: &State,
     component: ComponentId,
-    port: u32,
+    port: PortId,
 ) -> Map<String, Value> {
     let known = &shared.known[&component];
-    let ty = known.component().ports[PortId(port)].data;
+    let ty = known.component().ports[port].data;
     let of = state.data.iter();
     let of = of.filter(|((c, p, _), _)| (*c, *p) == (component, port));
     let values = of.map(|((_, _, instance), bytes)| {

@@ -1,6 +1,6 @@
 //! Components and ports by the names that clients write.
 
-use dotgen_analysis::model::PortDir;
+use dotgen_analysis::model::{PortDir, PortId};
 use dotgen_syntax::suggestion::advice;
 
 use super::Shared;
@@ -17,20 +17,20 @@ pub(super) fn component(shared: &Shared, name: &str) -> Result<ComponentId, Stri
 }
 
 /// Finds an output port. Returns its component, and its number in the component.
-pub(super) fn output(shared: &Shared, path: &str) -> Result<(ComponentId, u32), String> {
+pub(super) fn output(shared: &Shared, path: &str) -> Result<(ComponentId, PortId), String> {
     port(shared, path, PortDir::Out)
 }
 
 /// Finds an input port. Returns its component, and its number in the component.
-pub(super) fn input(shared: &Shared, path: &str) -> Result<(ComponentId, u32), String> {
+pub(super) fn input(shared: &Shared, path: &str) -> Result<(ComponentId, PortId), String> {
     port(shared, path, PortDir::In)
 }
 
-fn port(shared: &Shared, path: &str, dir: PortDir) -> Result<(ComponentId, u32), String> {
+fn port(shared: &Shared, path: &str, dir: PortDir) -> Result<(ComponentId, PortId), String> {
     let (name, port) = path.split_once('/').ok_or("write COMPONENT/PORT")?;
     let at = component(shared, name)?;
     let ports = &shared.known[&at].component().ports;
-    let mut all = (0u32..).zip(ports);
+    let mut all = ports.iter_enumerated();
     let found = all.find(|(_, candidate)| candidate.name == port && candidate.dir == dir);
     found.map(|(port, _)| (at, port)).ok_or_else(|| {
         if dir == PortDir::In && ports.iter().any(|candidate| candidate.name == port) {

@@ -43,7 +43,7 @@ pub(super) fn connect(
             ports.find(|(_, candidate)| candidate.name == port && candidate.dir == dir)?;
         let fits = port.multiple != instance.is_empty();
         let layout = Values::new(&known.spec).layout(port.data);
-        fits.then(|| (number.0, instance.to_owned(), layout))
+        fits.then(|| (number, instance.to_owned(), layout))
     };
     let Some((to, name, wanted)) = find(at, PortDir::In, local) else {
         return failed("no_such_inport");
@@ -80,7 +80,7 @@ pub(super) fn write(shared: &Shared, path: &str, request: &Value) -> Result<Valu
     let (at, number) = input(shared, path)?;
     let known = &shared.known[&at];
     let component = known.component();
-    let port = &component.ports[PortId(number)];
+    let port = &component.ports[number];
     let value = request.get("value");
     let value = value.ok_or_else(|| format!("`write` needs a `value` for `{path}`"))?;
     let instance = match request.get("instance") {
@@ -143,9 +143,9 @@ fn is_full<'p>(all: impl Iterator<Item = &'p Place>, further: &Place) -> bool {
 
 /// Returns the output port of the run that an input port reads, or would read.
 fn source(shared: &Shared, state: &State, place: &Place) -> Option<String> {
-    let name = |component: ComponentId, port: u32| {
+    let name = |component: ComponentId, port: PortId| {
         let component = shared.known.get(&component)?.component();
-        let port = component.ports.get(PortId(port))?;
+        let port = component.ports.get(port)?;
         Some((component, port))
     };
     if let Some((component, port, instance)) = state.connected.get(place) {

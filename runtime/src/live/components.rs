@@ -1,6 +1,6 @@
 //! The parts of a system with real codels.
 
-use dotgen_analysis::model::{self, Name, Param, PortDir, Remote, ServiceKind};
+use dotgen_analysis::model::{self, Name, Param, PortDir, PortId, Remote, ServiceKind};
 use dotgen_codegen::codels::value::{Values, is_input, is_output};
 use dotgen_timing::scn::names::{Member, Names};
 use dotgen_timing::system::settings::Settings;
@@ -25,9 +25,9 @@ pub struct HostedComponent<'s> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DataFlow {
     /// Component of the system, and output port.
-    pub from: (ComponentId, u32),
+    pub from: (ComponentId, PortId),
     /// Component of the system, and input port.
-    pub to: (ComponentId, u32),
+    pub to: (ComponentId, PortId),
     /// The input distinguishes its sources by name.
     pub multiple: bool,
 }
@@ -157,8 +157,8 @@ impl<'s> HostedComponents<'s> {
                         continue;
                     }
                     self.feeds.push(DataFlow {
-                        from: (writer, source.0),
-                        to: (reader, index.0),
+                        from: (writer, source),
+                        to: (reader, index),
                         multiple: port.multiple,
                     });
                 }

@@ -1,6 +1,5 @@
 //! Comparisons of data that codels write.
 
-use dotgen_analysis::model::PortId;
 use dotgen_codegen::codels::value::Values;
 use dotgen_timing::explore::{Action, Stepper};
 use dotgen_timing::property::DataFact;
@@ -28,11 +27,10 @@ impl<'p> Live<'p> {
         let component = self.system.codels[running.work.codel()?].component;
         let member = &self.parts.of(component)?.member;
         for write in &running.ran.as_ref()?.written {
-            let ty = member.component.ports.get(PortId(write.port)).map(|port| port.data);
+            let ty = member.component.ports.get(write.port).map(|port| port.data);
             let (Some(ty), Some(data)) = (ty, &write.data) else { continue };
             let facts = self.facts.iter().enumerate();
-            let of_port =
-                |fact: &DataFact| (fact.component, fact.port) == (component, PortId(write.port));
+            let of_port = |fact: &DataFact| (fact.component, fact.port) == (component, write.port);
             for (number, fact) in facts.filter(|(_, fact)| of_port(fact)) {
                 if let Ok(value) = Values::new(member.spec).decode(ty, data) {
                     stepper.set_fact(number, fact.holds(&value));

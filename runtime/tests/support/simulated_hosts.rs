@@ -4,6 +4,7 @@
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
+use dotgen_analysis::model::PortId;
 use dotgen_runtime::hosts::{
     Call, CodelEnd, CodelResult, DelegatedYield, Delegation, Hosts, Message, OutsideRequest,
     Reader, ReplyError, RequestReply, Source,
@@ -478,5 +479,5 @@ impl Hosts for Simulated<'_> {
         self.lost.push(why.to_owned());
     }
 
-    fn published(&mut self, _: ComponentId, _: u32, _: &str, _: &[u8]) {}
+    fn published(&mut self, _: ComponentId, _: PortId, _: &str, _: &[u8]) {}
 }
