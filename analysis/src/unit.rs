@@ -263,7 +263,7 @@ pub(crate) fn serving_visit<'db>(
     unit: UnitKey<'db>,
     file: SourceFile,
 ) -> Option<(WalkId, FileKey<'db>)> {
-    let of_file = |pair: &(WalkId, &Visit<'db>)| pair.1.key.file(db) == file;
+    let of_file = |visit: &(WalkId, &Visit<'db>)| visit.1.key.file(db) == file;
     let all = visits(db, unit).all();
     let mut of_file = all.iter_enumerated().filter(of_file).peekable();
     let first = of_file.peek().map(|(i, file)| (*i, file.key));

@@ -110,7 +110,7 @@ fn shared_name(network: &Network) -> Option<&str> {
         .chain(processes.iter().map(|process| &*process.name))
         .collect();
     all.sort_unstable();
-    all.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0])
+    all.windows(2).find(|names| names[0] == names[1]).map(|names| names[0])
 }
 
 /// Returns a time in nanoseconds; `None` if it is not a whole number of them.

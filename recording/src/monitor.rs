@@ -531,7 +531,7 @@ impl<'s> Monitor<'s> {
                 period: limits.period,
             }
         });
-        let executed = |pair: &&(CodelId, &Codel)| pair.1.runs > 0;
+        let executed = |codel: &&(CodelId, &Codel)| codel.1.runs > 0;
         let codels = self.codels.iter_enumerated();
         let codels = codels.filter(|codel| executed(&codel)).map(|(number, codel)| CodelTimes {
             codel: self.model.path(number),

@@ -206,7 +206,7 @@ impl<'s> Analysis<'s> {
                 let machine = system.machine_of(automaton);
                 for state in self.turns[automaton].states() {
                     let codel = machine.states[state].codel;
-                    excluded[codel].iter().for_each(|index| all.insert(index));
+                    excluded[codel].iter().for_each(|other| all.insert(other));
                 }
             }
             self.rivals(&out, &all, Some(task), &|_| true)

@@ -418,8 +418,8 @@ impl<'a> File<'a> {
             let pasted = before.ends_with("##") || after.starts_with("##");
             let reached = before.ends_with('.') || before.ends_with("->");
             if pasted {
-                let part = |pair: &&(Vec<SmolStr>, SmolStr)| {
-                    pair.1.starts_with(name.as_str()) || pair.1.ends_with(name.as_str())
+                let part = |global: &&(Vec<SmolStr>, SmolStr)| {
+                    global.1.starts_with(name.as_str()) || global.1.ends_with(name.as_str())
                 };
                 if name.len() > 1 && self.names.globals.keys().any(|key| part(&key)) {
                     self.leave(at, &name, UnchangedReason::Macro);

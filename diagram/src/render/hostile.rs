@@ -27,11 +27,11 @@ fn graph() -> Graph {
         ..Node::default()
     };
     let nodes: Vec<Node> = HOSTILE.iter().enumerate().map(node).collect();
-    let edge = |pair: &[Node]| Edge {
-        from: pair[0].id.clone(),
-        to: pair[1].id.clone(),
-        label: pair[0].description.clone(),
-        description: pair[1].description.clone(),
+    let edge = |ends: &[Node]| Edge {
+        from: ends[0].id.clone(),
+        to: ends[1].id.clone(),
+        label: ends[0].description.clone(),
+        description: ends[1].description.clone(),
         ..Edge::default()
     };
     Graph {

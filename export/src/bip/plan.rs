@@ -378,8 +378,8 @@ fn refusals(network: &Network, shared: &[(&str, &str)]) -> Vec<Refusal> {
     names.extend(network.variables.iter().flat_map(scalars::names));
     names.extend(shared.iter().map(|(clock, _)| (*clock).to_owned()));
     names.sort_unstable();
-    for pair in names.windows(2).filter(|pair| pair[0] == pair[1]) {
-        out.push(Refusal::new("two variables with one name", Some(pair[0].clone())));
+    for same in names.windows(2).filter(|names| names[0] == names[1]) {
+        out.push(Refusal::new("two variables with one name", Some(same[0].clone())));
     }
     out
 }

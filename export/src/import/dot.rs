@@ -118,8 +118,8 @@ fn path<'t>(
 fn state<'t>(line: usize, attributes: &Attributes<'t>) -> Result<State<'t>, Error> {
     let locations = list(line, attributes, "vloc")?.split(',').collect();
     let values = attributes.get("intval").copied().unwrap_or_default();
-    let values = values.split(',').filter(|pair| !pair.is_empty()).map(|pair| {
-        pair.split_once('=').ok_or_else(|| Error::at(line, format!("`{pair}` is not `NAME=VALUE`")))
+    let values = values.split(',').filter(|text| !text.is_empty()).map(|text| {
+        text.split_once('=').ok_or_else(|| Error::at(line, format!("`{text}` is not `NAME=VALUE`")))
     });
     Ok(State { line, locations, values: values.collect::<Result<_, _>>()? })
 }

@@ -380,7 +380,7 @@ impl<'s> Layout<'s> {
     /// Returns true if some request is tested for the success of a service.
     pub(super) fn notes_success(&self, service: ServiceId) -> bool {
         let requested = self.system.requested();
-        let mut others = self.system.services.iter().zip(&requested).filter(|pair| *pair.1);
+        let mut others = self.system.services.iter().zip(&requested).filter(|service| *service.1);
         let names = |list: &[ServiceId]| list.contains(&service);
         requested[service] && others.any(|(other, _)| names(&other.after) || names(&other.before))
     }

@@ -159,9 +159,9 @@ fn unpack(mut bytes: &[u8]) -> Vec<Move> {
         paths.push(path);
         bytes = rest;
     }
-    let one = |pair: &[&[u8]]| Move {
-        from: path_of(pair[0]),
-        to: (!pair[1].is_empty()).then(|| path_of(pair[1])),
+    let one = |ends: &[&[u8]]| Move {
+        from: path_of(ends[0]),
+        to: (!ends[1].is_empty()).then(|| path_of(ends[1])),
     };
     paths.chunks_exact(2).map(one).collect()
 }

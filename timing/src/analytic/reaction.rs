@@ -114,7 +114,7 @@ impl Tasks<'_> {
     /// Returns the index of a task in its component.
     fn place(&self, task: TaskId) -> Option<usize> {
         let component = &self.system.components[self.system.tasks[task].component];
-        component.tasks.iter().position(|index| *index == task)
+        component.tasks.iter().position(|other| *other == task)
     }
 
     /// Returns the latest end of the first cycle that executes a stage.

@@ -73,7 +73,7 @@ impl Analysis<'_> {
         }
         let cost =
             |codel: CodelId| if excluded.contains(codel) { self.upper(codel) } else { Some(0) };
-        for (task, entry) in self.system.tasks.iter_enumerated().filter(|pair| of(pair.0)) {
+        for (task, entry) in self.system.tasks.iter_enumerated().filter(|task| of(task.0)) {
             if entry.period.is_some() {
                 let start = entry.permanent.map_or(Some(0), |a| self.start_up(a, &cost));
                 let parties = if own == Some(task) && !self.system.runs_apart(task) {
@@ -142,7 +142,7 @@ impl Analysis<'_> {
         let breaks = |state: usize| cost(state) == Some(0) && lower(state) > 0;
         let gaps = (0..machine.states.len()).filter(|&state| breaks(state));
         Some(Stretches {
-            work: Ways::stretches(machine, &|index| !breaks(index)).costliest(&cost)?,
+            work: Ways::stretches(machine, &|state| !breaks(state)).costliest(&cost)?,
             gap: gaps.map(|gap| u64::from(lower(gap))).min(),
         })
     }

@@ -124,12 +124,12 @@ impl Group<'_> {
     /// Returns the question of a check; `None` if the check names something that does not exist, which was
     /// reported.
     fn question(&self, check: &Single) -> Option<Question> {
-        let task = |pair: &DeclaredTask| self.built.tasks.get(pair).map(|&task| usize::from(task));
+        let task = |task: &DeclaredTask| self.built.tasks.get(task).map(|&task| usize::from(task));
         let predicate = |predicate: &Pred| resolve::resolve(self.names, self.built, predicate).ok();
         Some(match &check.what {
-            What::Schedulable(pair) => Question::Schedulable(task(pair)?),
+            What::Schedulable(of) => Question::Schedulable(task(of)?),
             What::NoOverdue(overdue) => Question::NoOverdue(task(overdue)?),
-            What::Response(pair, bound) => Question::Response(task(pair)?, self.ticks(*bound)),
+            What::Response(of, bound) => Question::Response(task(of)?, self.ticks(*bound)),
             What::Within(p, list, bound) => {
                 let list: Option<Vec<Predicate>> = list.iter().map(predicate).collect();
                 Question::Within(predicate(p)?, list?, self.ticks(*bound))

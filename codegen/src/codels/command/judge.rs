@@ -473,7 +473,7 @@ impl Findings {
 
     /// True if every finding of a code has a repair that adapts the sources.
     fn is_followed(&self, code: &&'static str) -> bool {
-        let of_code = |pair: &&(usize, Drift)| pair.1.code() == *code;
+        let of_code = |drift: &&(usize, Drift)| drift.1.code() == *code;
         let mut found = self.drifts.iter().filter(of_code).peekable();
         found.peek().is_some() && found.all(|drift| drift.1.following().is_some())
     }
