@@ -198,7 +198,10 @@ impl<'s> Analysis<'s> {
             }
         }
         out.of_codel = (excluded.iter().zip(owner))
-            .map(|(codel_set, owner)| self.rivals(&out, codel_set, owner, &|_| true))
+            .map(|(codel_set, owner)| {
+                let beside = |other| owner.is_none_or(|owner| self.may_work_beside(owner, other));
+                self.rivals(&out, codel_set, owner, &beside)
+            })
             .collect();
         let of_party = |task: TaskId, party: &[AutomatonId]| {
             let mut all = CodelSet::default();
@@ -209,7 +212,7 @@ impl<'s> Analysis<'s> {
                     excluded[codel].iter().for_each(|other| all.insert(other));
                 }
             }
-            self.rivals(&out, &all, Some(task), &|_| true)
+            self.rivals(&out, &all, Some(task), &|other| self.may_work_beside(task, other))
         };
         out.of_party = (out.parties.iter_enumerated())
             .map(|(task, parties)| parties.iter().map(|party| of_party(task, party)).collect())
@@ -303,7 +306,7 @@ impl<'s> Analysis<'s> {
             let held: TiVec<TaskId, Option<u64>> =
                 system.tasks.keys().map(|task| self.held(window, task)).collect();
             let bound = |task: TaskId| {
-                let wait = u32::try_from(self.core_wait(task, &held)?).ok()?;
+                let wait = u32::try_from(self.core_wait(window, task, &held)?).ok()?;
                 let response = u32::try_from(held[task]?).ok()?.checked_add(wait)?;
                 (response < FOREVER).then_some(Bound { response, wait })
             };

@@ -1,10 +1,12 @@
 //! Bounds on the time for which a task waits for a core.
 
-use super::Analysis;
-use super::demand::Demand;
+use std::cmp::Reverse;
+
+use super::demand::{Demand, Jobs, Kind};
 use super::servers::longest_wait;
+use super::{Analysis, Window};
 use crate::system::loops::can_pause;
-use crate::system::{AutomatonId, Policy, TaskId};
+use crate::system::{AutomatonId, Policy, ServiceId, TaskId, Ticks, Yield};
 use typed_index_collections::TiSlice;
 
 impl Analysis<'_> {
@@ -12,6 +14,7 @@ impl Analysis<'_> {
     /// for which jobs of all tasks hold theirs.
     pub(super) fn core_wait(
         &self,
+        window: &Window,
         task: TaskId,
         held: &TiSlice<TaskId, Option<u64>>,
     ) -> Option<u64> {
@@ -29,33 +32,86 @@ impl Analysis<'_> {
         let (mut kept, mut held_for_ever) = (0, 0);
         // Under FIFO every other task has at most one earlier job.
         let mut ahead = Vec::new();
+        let by_deadline = system.tasks[task].period.filter(|_| system.platform.policy == Policy::Edf);
+        // Under EDF a job with a later deadline has a core before, or goes after.
+        let mut later = Vec::new();
         for other in others {
             let work = held[other].filter(|_| !self.may_be_endless(other));
-            let jobs = work.and_then(|work| self.jobs(other, work, 0));
-            let jobs = jobs.map(|jobs| self.in_phase(task, other, jobs, 0));
+            let jobs = work.and_then(|work| {
+                self.jobs(other, work, 0)
+                    .map(|jobs| self.in_phase(task, other, jobs, 0))
+                    .or_else(|| self.jobs_of_requests(window, other, work))
+            });
             match work {
                 Some(work) => ahead.push(jobs.as_ref().map_or(work, |jobs| jobs.carried(work))),
                 None => held_for_ever += 1,
             }
             match jobs {
+                Some(job) if by_deadline.is_some_and(|period| self.is_later(other, &job, period)) => {
+                    later.extend(work);
+                }
                 Some(job) => demand.jobs.extend((job.work > 0).then_some(job)),
                 None => kept += 1,
             }
         }
-        if system.platform.policy == Policy::Edf
-            && let Some(period) = system.tasks[task].period
-        {
+        let cores = u64::from(cores);
+        let left = |taken: u64| cores.checked_sub(taken).filter(|&left| left > 0);
+        if let Some(period) = by_deadline {
             for job in &mut demand.jobs {
                 job.released = period.checked_sub(job.period).map(u64::from);
             }
+            later.sort_unstable_by_key(|&work| Reverse(work));
+            later.truncate(left(kept).unwrap_or(0) as usize);
+            demand.jobs.extend(later.into_iter().map(Jobs::once));
         }
-        let cores = u64::from(cores);
-        let left = |taken: u64| cores.checked_sub(taken).filter(|&left| left > 0);
         let busy = left(kept).and_then(|left| demand.longest_busy(left));
         let queue = left(held_for_ever).and_then(|left| longest_wait(left, ahead));
         match system.platform.policy {
             Policy::Fifo => busy.into_iter().chain(queue).min(),
             Policy::Edf | Policy::Any | Policy::Priority | Policy::Fair => busy,
+        }
+    }
+
+    /// Returns the jobs of an aperiodic task in a window, if only requests cause them: one for each, and one
+    /// for each interruption.
+    fn jobs_of_requests(&self, window: &Window, task: TaskId, work: u64) -> Option<Jobs> {
+        let system = self.system;
+        if system.tasks[task].permanent.is_some() || system.runs_apart(task) {
+            return None;
+        }
+        let of_service = |(service, &requests): (ServiceId, &Option<u32>)| {
+            let slots = system.services[service].slots.iter();
+            let mut own = slots.filter(|&&slot| system.automata[slot].task == task);
+            let (Some(&slot), true) = (own.next(), requests != Some(0)) else {
+                return Some(0);
+            };
+            let machine = system.machine_of(slot);
+            let yields = machine.states.iter().flat_map(|state| &state.yields);
+            let parts = 1 + u64::from(machine.stop.is_some());
+            let is_one_job = yields.clone().all(|to| !matches!(to, Yield::Pause(_)));
+            requests.filter(|_| is_one_job).map(|requests| u64::from(requests) * parts)
+        };
+        let count = window.requests.iter_enumerated().map(of_service).sum::<Option<u64>>()?;
+        Some(Jobs::once(work.checked_mul(count)?))
+    }
+
+    /// Returns true if a task may execute a codel while a job of another task has its core.
+    pub(super) fn may_work_beside(&self, task: TaskId, other: TaskId) -> bool {
+        let system = self.system;
+        let needs_core = |task| system.needs_core(task) && !system.runs_apart(task);
+        system.platform.cores != Some(1) || !needs_core(task) || !needs_core(other)
+    }
+
+    /// Returns true if the unfinished jobs of a task have a later deadline than a job with this period that
+    /// is released.
+    fn is_later(&self, task: TaskId, jobs: &Jobs, period: Ticks) -> bool {
+        match (self.system.tasks[task].period, jobs.kind) {
+            _ if self.system.runs_apart(task) => false,
+            (None, _) => true,
+            (Some(own), Kind::Punctual(response) | Kind::InPhase { response, .. }) => {
+                u64::from(own) > u64::from(period) + response
+            }
+            _ => false,
         }
     }
 

@@ -34,6 +34,11 @@ pub(super) enum Kind {
 }
 
 impl Jobs {
+    /// Work that is done once, by one task.
+    pub(super) fn once(work: u64) -> Jobs {
+        Jobs { period: Ticks::MAX, work, kind: Kind::Late(1), released: None }
+    }
+
     /// Returns the number of releases in a window of this length, including its end, the first of them after
     /// `offset`.
     fn releases(&self, window: u64, offset: u64) -> u64 {
@@ -151,12 +156,16 @@ pub(super) struct Demand {
 }
 
 impl Demand {
-    /// Returns the greatest work in a window, and how much of it is done at its end.
-    fn within(&self, window: u64) -> Option<(u64, u64)> {
+    /// Returns the greatest work in a window, and how much of it is done at its end. If there are several
+    /// servers, the jobs of a task have at most one of them.
+    fn within(&self, window: u64, servers: u64) -> Option<(u64, u64)> {
         let mut jobs = self.once;
         let mut slope = 0;
         for job in &self.jobs {
-            let (demand, at_end) = job.demand(window);
+            let (demand, at_end) = match job.demand(window) {
+                (demand, _) if servers > 1 && demand > window => (window, 1),
+                other => other,
+            };
             jobs = jobs.checked_add(demand)?;
             slope += at_end;
         }
@@ -186,15 +195,18 @@ impl Demand {
     pub(super) fn longest_busy(&self, servers: u64) -> Option<u64> {
         let mut window = 0;
         for _ in 0..ROUNDS {
-            let (demand, slope) = self.within(window)?;
+            let (demand, slope) = self.within(window, servers)?;
             let next = demand / servers;
             window = if next > window {
                 next
             } else if demand + slope < servers.checked_mul(window + 1)? {
                 return Some(window);
             } else if slope >= servers {
-                let changes = self.jobs.iter().map(|job| job.change(window));
-                changes.min().unwrap_or(window + 1)
+                let change = |job: &Jobs| match job.demand(window) {
+                    (demand, _) if servers > 1 && demand > window => demand,
+                    _ => job.change(window),
+                };
+                self.jobs.iter().map(change).min().unwrap_or(window + 1)
             } else {
                 window + 1
             };
