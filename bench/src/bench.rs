@@ -17,6 +17,7 @@ mod runtime;
 mod semantics;
 mod session;
 mod size;
+mod stacks;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -37,7 +38,7 @@ pub(crate) struct Options {
     /// Runs of each process. Default: 101 for `server`, 5 for the others.
     #[arg(long)]
     runs: Option<usize>,
-    /// Random sets of periodic tasks to compare verdicts on.
+    /// Random sets of periodic tasks to compare verdicts on, or random stacks.
     #[arg(long, default_value_t = 200)]
     sets: u64,
     /// Components of the workspaces of `size`.
@@ -49,7 +50,7 @@ pub(crate) struct Options {
     /// How long `endurance` edits.
     #[arg(long, default_value_t = 60.0)]
     minutes: f64,
-    /// Duration of each measurement of `runtime`.
+    /// Duration of each measurement of `runtime`, time limit of each of `stacks`.
     #[arg(long, default_value_t = 5.0)]
     seconds: f64,
     /// Duration of the run of two tasks of `runtime`. Default: that of the others.
@@ -91,6 +92,8 @@ enum What {
     /// Answers under the semantics of the servers and under the published one, and the point that makes the
     /// difference.
     Semantics,
+    /// How many deadlines of random stacks are answered, each stack in --seconds.
+    Stacks,
 }
 
 /// The scale of times in charts.
@@ -126,6 +129,7 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
             runtime::runtime(&dotgen, options.seconds, task_seconds)?;
         }
         What::Semantics => semantics::semantics(&dotgen)?,
+        What::Stacks => stacks::stacks(&dotgen, options.sets, options.seconds)?,
         What::Size => size::size(&dotgen, &options.components, runs(3))?,
         What::Tiny => size::tiny(&dotgen, runs(3))?,
         What::Adversarial => return adversarial::adversarial(&dotgen, options.lines),

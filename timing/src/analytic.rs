@@ -198,10 +198,7 @@ impl<'s> Analysis<'s> {
             }
         }
         out.of_codel = (excluded.iter().zip(owner))
-            .map(|(codel_set, owner)| {
-                let beside = |other| owner.is_none_or(|owner| self.may_work_beside(owner, other));
-                self.rivals(&out, codel_set, owner, &beside)
-            })
+            .map(|(codel_set, owner)| self.rivals(&out, codel_set, owner, &|_| true))
             .collect();
         let of_party = |task: TaskId, party: &[AutomatonId]| {
             let mut all = CodelSet::default();
@@ -212,7 +209,7 @@ impl<'s> Analysis<'s> {
                     excluded[codel].iter().for_each(|other| all.insert(other));
                 }
             }
-            self.rivals(&out, &all, Some(task), &|other| self.may_work_beside(task, other))
+            self.rivals(&out, &all, Some(task), &|_| true)
         };
         out.of_party = (out.parties.iter_enumerated())
             .map(|(task, parties)| parties.iter().map(|party| of_party(task, party)).collect())

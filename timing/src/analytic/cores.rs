@@ -32,7 +32,8 @@ impl Analysis<'_> {
         let (mut kept, mut held_for_ever) = (0, 0);
         // Under FIFO every other task has at most one earlier job.
         let mut ahead = Vec::new();
-        let by_deadline = system.tasks[task].period.filter(|_| system.platform.policy == Policy::Edf);
+        let by_deadline =
+            system.tasks[task].period.filter(|_| system.platform.policy == Policy::Edf);
         // Under EDF a job with a later deadline has a core before, or goes after.
         let mut later = Vec::new();
         for other in others {
@@ -47,7 +48,9 @@ impl Analysis<'_> {
                 None => held_for_ever += 1,
             }
             match jobs {
-                Some(job) if by_deadline.is_some_and(|period| self.is_later(other, &job, period)) => {
+                Some(job)
+                    if by_deadline.is_some_and(|period| self.is_later(other, &job, period)) =>
+                {
                     later.extend(work);
                 }
                 Some(job) => demand.jobs.extend((job.work > 0).then_some(job)),
@@ -95,7 +98,8 @@ impl Analysis<'_> {
         Some(Jobs::once(work.checked_mul(count)?))
     }
 
-    /// Returns true if a task may execute a codel while a job of another task has its core.
+    /// Returns true if a task may execute a codel, other than in its start-up, while a job of another task
+    /// has its core.
     pub(super) fn may_work_beside(&self, task: TaskId, other: TaskId) -> bool {
         let system = self.system;
         let needs_core = |task| system.needs_core(task) && !system.runs_apart(task);

@@ -74,13 +74,11 @@ impl Analysis<'_> {
         let cost =
             |codel: CodelId| if excluded.contains(codel) { self.upper(codel) } else { Some(0) };
         for (task, entry) in self.system.tasks.iter_enumerated().filter(|task| of(task.0)) {
+            let is_beside = own.is_none_or(|own| self.may_work_beside(own, task));
             if entry.period.is_some() {
                 let start = entry.permanent.map_or(Some(0), |a| self.start_up(a, &cost));
-                let parties = if own == Some(task) && !self.system.runs_apart(task) {
-                    &[]
-                } else {
-                    &window.parties[task][..]
-                };
+                let is_same = own == Some(task) && !self.system.runs_apart(task);
+                let parties = if is_beside && !is_same { &window.parties[task][..] } else { &[] };
                 let jobs = parties.iter().map(|party| self.turns(party, &cost));
                 let most = jobs.max_by_key(|job| job.unwrap_or(u64::MAX));
                 let job = most.unwrap_or(Some(0));
@@ -89,7 +87,8 @@ impl Analysis<'_> {
                 }
                 continue;
             }
-            for &automaton in entry.permanent.iter().chain(&entry.slots) {
+            let activities = entry.slots.iter().filter(|_| is_beside);
+            for &automaton in entry.permanent.iter().chain(activities) {
                 out.stretches.extend(self.stretches_of(automaton, window, &cost));
             }
         }

@@ -85,10 +85,7 @@ fn known(system: &TimedSystem, bounds: &TiVec<TaskId, Bound>) -> Knowns {
         for &task in &component.tasks {
             let Bound { pass, first, other } = bounds[task];
             let period = system.tasks[task].period.map(u64::from);
-            let first_tick = period.map_or(0, |period| match system.tasks[task].delay {
-                0 => period,
-                delay => u64::from(delay),
-            });
+            let first_tick = first_tick(system, task).unwrap_or(0);
             begins = begins.max(first_tick);
             latest = latest.map(|latest| latest.max(first_tick));
             let after = |time: Option<u64>| latest?.checked_add(time?);
@@ -110,6 +107,12 @@ fn known(system: &TimedSystem, bounds: &TiVec<TaskId, Bound>) -> Knowns {
         }
     }
     out
+}
+
+/// Returns the first tick of a task with a period.
+fn first_tick(system: &TimedSystem, task: TaskId) -> Option<u64> {
+    let task = &system.tasks[task];
+    Some(u64::from(if task.delay == 0 { task.period? } else { task.delay }))
 }
 
 /// Returns a bound on the response time of every task; `None` if there is none.

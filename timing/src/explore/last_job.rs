@@ -52,7 +52,11 @@ impl Run {
             let time = step.map_or(self.end, |&(time, _)| time);
             if time > now {
                 let passed = time - now;
-                for (executor, open) in open.iter_mut().enumerate() {
+                // A start-up may last longer than the first tick, and needs no core.
+                let id = TaskId::from(task);
+                let is_starting = rules.job(&s, task) == TaskStatus::Waiting
+                    && rules.awaits_start_up(&s, id) == Some(id);
+                for (executor, open) in open.iter_mut().enumerate().filter(|_| !is_starting) {
                     let Some(codel) = codel_of(&rules, &s, executor, task) else { continue };
                     let known = *open == Some(codel);
                     let place = works.iter().position(|work| work.codel == codel);

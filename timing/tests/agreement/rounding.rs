@@ -102,6 +102,8 @@ fn rounded_times_change_no_verdict() {
     all_agree(first(), dotgen_loaders::times(40), 2, agree);
     // A task that is never released, in a search that is given up.
     all_agree(168, 1, 1, agree);
+    // A job that waits for a core while the start-up of its task still executes.
+    all_agree(930_100, 1, 1, agree);
     let (rounded, late) = (ROUNDED.load(Ordering::Relaxed), LATE.load(Ordering::Relaxed));
     assert!(rounded > 0 && late > 0, "{rounded} rounded answers, {late} late jobs");
 }

@@ -6,7 +6,8 @@
 //!
 //! * `fifo`: every other task has at most one cycle ahead, waiting or under way, also if deadlines are
 //!   missed.
-//! * `edf`: a task with a longer period has one cycle ahead at most, and one of a kept tick.
+//! * `edf`: a task with a longer period has one cycle ahead at most, and one of a kept tick. Of the tasks
+//!   whose cycles go after the job, as many as there are cores have one already.
 //! * `any`, `edf` otherwise: the cycles of the window.
 //! * `priority`, `fair`: the job can lose its core at any time, so the window is the whole response. Under
 //!   `priority` only threads that do not go after the job count while the job itself has no core; while a
@@ -28,7 +29,7 @@
 
 use std::cmp::Reverse;
 
-use super::{Cycle, Known, Knowns, Window, executed_once};
+use super::{Cycle, Known, Knowns, Window, executed_once, first_tick};
 use crate::system::{CodelId, ComponentId, Policy, TaskId};
 
 /// A thread that can have a core while a job waits.
@@ -122,6 +123,25 @@ impl Window<'_> {
         together.into_iter().chain(one_by_one).min()
     }
 
+    /// Returns true if the cycles of a task that are ahead of a job have later deadlines, so that only those
+    /// that have a core already keep the job waiting.
+    fn goes_after(&self, other: TaskId, job: Waiting, known: &Knowns) -> bool {
+        let period = |task: TaskId| self.system.tasks[task].period.map(u64::from);
+        match (period(job.task), period(other), known[other].after_tick) {
+            (Some(_), None, _) => true,
+            (Some(own), Some(period), Some(response)) => {
+                let first_tick = first_tick(self.system, other).unwrap_or(0);
+                let first = if self.is_started(other, job.task, job.cycle, known) {
+                    Some(0)
+                } else {
+                    known[other].ends.map(|ends| ends.saturating_sub(first_tick))
+                };
+                first.is_some_and(|first| period > own + response.max(first))
+            }
+            _ => false,
+        }
+    }
+
     /// Returns the longest time of a job if certain threads have a core for as long as it waits for one.
     fn one_by_one(&self, job: Waiting, apart: &[usize], known: &Knowns) -> Option<u64> {
         let has_core = |thread: usize| {
@@ -177,7 +197,16 @@ impl Window<'_> {
             let thread = system.tasks.len() + usize::from(component);
             Rival { thread, time: self.control_work(component) }
         });
-        tasks.chain(controls).filter(|rival| rival.time != Some(0)).collect()
+        let all = tasks.chain(controls).filter(|rival| rival.time != Some(0));
+        let after = |rival: &Rival| {
+            system.platform.policy == Policy::Edf
+                && self.goes_after(TaskId::from(rival.thread), job, known)
+        };
+        let (mut after, mut rivals): (Vec<Rival>, Vec<Rival>) = all.partition(after);
+        after.sort_by_key(|rival| Reverse(rival.time.unwrap_or(u64::MAX)));
+        after.truncate(system.platform.cores.unwrap_or(0) as usize);
+        rivals.append(&mut after);
+        rivals
     }
 
     fn control_work(&self, component: ComponentId) -> Option<u64> {
@@ -216,15 +245,24 @@ impl Window<'_> {
         };
         let cycle = |of| Some(u64::from(self.length(other, of, Some(known), &waits_for)?));
         let each = cycle(Cycle::Other)?;
-        let Known { begins, ends, after_tick, .. } = known[other];
+        let Known { begins, next, ends, after_tick } = known[other];
         let starts = !is_started;
         let first = if starts { cycle(Cycle::First)? } else { 0 };
         let is_later = system.tasks[job.task].period.is_some_and(|own| period >= u64::from(own));
         let window = job.window;
+        // Each cycle has a tick of its own, at most its response time before its end. That of the first cycle
+        // is the last one before it can begin.
+        let of_ticks = |response: u64| {
+            let of_first = if starts { (ends? + period).saturating_sub(next) } else { 0 };
+            let count = (window + response.max(of_first)).div_ceil(period);
+            each.checked_mul(count.saturating_sub(1))?.checked_add(each.max(first))
+        };
         match (system.platform.policy, after_tick) {
             (Policy::Fifo, _) => Some(each.max(first)),
             (Policy::Edf, None) if is_later => each.max(first).checked_mul(2),
-            (Policy::Edf, Some(_)) if is_later => first.checked_add(each),
+            (Policy::Edf, Some(response)) if is_later => {
+                first.checked_add(each).into_iter().chain(of_ticks(response)).min()
+            }
             (_, None) => each.max(first).checked_mul(window / period + 3),
             (_, Some(response)) => {
                 let usual = each.checked_mul((window + response).div_ceil(period))?;
@@ -234,7 +272,7 @@ impl Window<'_> {
                     None => window / period + 2,
                 };
                 let start = if starts { first.checked_add(each.checked_mul(count)?)? } else { 0 };
-                Some(usual.max(start))
+                of_ticks(response).into_iter().chain([usual.max(start)]).min()
             }
         }
     }
