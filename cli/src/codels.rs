@@ -22,7 +22,7 @@ use std::io::Write as _;
 
 use super::report::{self, Compared, FileReports, Format};
 use super::session::{self, Session};
-use super::{Outcome, SpecificationOptions};
+use super::{Exit, SpecificationOptions};
 use dotgen_lsp_server::features::codels::Disk;
 use dotgen_lsp_server::features::codels::headers::{FOLDER, IGNORED};
 use dotgen_platform::files::vfs;
@@ -120,7 +120,7 @@ struct Headers {
     reading: SpecificationOptions,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
     match &arguments.command {
         Command::Check(options) => check(options),
         Command::Stub(options) => stub(options),
@@ -149,7 +149,7 @@ fn roots(session: &Session) -> Vec<Utf8PathBuf> {
     session.files.iter().map(|file| file.path.clone()).collect()
 }
 
-fn check(arguments: &Check) -> anyhow::Result<Outcome> {
+fn check(arguments: &Check) -> anyhow::Result<Exit> {
     let (files, mut trouble) = session::specifications(&session::or_here(&arguments.paths));
     let mut report = FileReports::default();
     let mut errors = Vec::new();
@@ -188,7 +188,7 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
     }
     let differs = report.diagnostics.iter();
     let differs = differs.filter(|diagnostic| diagnostic.severity != Severity::Hint).count();
-    Ok(trouble.outcome(if differs == 0 && !broken { Outcome::Fine } else { Outcome::Errors }))
+    Ok(trouble.outcome(if differs == 0 && !broken { Exit::Fine } else { Exit::Errors }))
 }
 
 /// Prints a warning: the specification has errors, so not everything could be compared.
@@ -241,7 +241,7 @@ fn warn_nothing_compared(folder: &Folder) {
     ));
 }
 
-fn stub(arguments: &Stub) -> anyhow::Result<Outcome> {
+fn stub(arguments: &Stub) -> anyhow::Result<Exit> {
     check_is_file(std::slice::from_ref(&arguments.file))?;
     let mut session = session::single(&arguments.file, &arguments.reading)?;
     let root = roots(&session).pop().context("there is nothing to read")?;
@@ -256,7 +256,7 @@ fn stub(arguments: &Stub) -> anyhow::Result<Outcome> {
         report::note("every codel has a function; there is nothing to write");
     }
     write(&changes, &session.writable(), arguments.dry_run)?;
-    Ok(Outcome::Fine)
+    Ok(Exit::Fine)
 }
 
 /// `CODEL=STATE`
@@ -267,11 +267,11 @@ fn yield_of_codel(text: &str) -> Result<(String, String), String> {
     Ok((codel.trim().to_owned(), state.trim().to_owned()))
 }
 
-fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
+fn sync(arguments: &Sync) -> anyhow::Result<Exit> {
     let (files, mut trouble) = session::specifications(&session::or_here(&arguments.paths));
     check_is_file(&arguments.paths)?;
     let options = SyncOptions { remove_yields: arguments.remove_yield.clone() };
-    let mut outcome = Outcome::Fine;
+    let mut outcome = Exit::Fine;
     for mut session in session::open(files, &arguments.reading)? {
         let roots = roots(&session);
         let done = command::sync(&mut project(&mut session), &roots, &options);
@@ -303,7 +303,7 @@ fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
         }
         if !left.is_empty() {
             writeln!(out, "{} left, see `dotgen codels check`", left.len())?;
-            outcome = Outcome::Errors;
+            outcome = Exit::Errors;
         }
         for error in &done.left.errors {
             trouble.tell(&anyhow::Error::msg(error.clone()));
@@ -312,7 +312,7 @@ fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
     Ok(trouble.outcome(outcome))
 }
 
-fn headers(arguments: &Headers) -> anyhow::Result<Outcome> {
+fn headers(arguments: &Headers) -> anyhow::Result<Exit> {
     check_is_file(std::slice::from_ref(&arguments.file))?;
     let mut session = session::single(&arguments.file, &arguments.reading)?;
     let root = roots(&session).pop().context("there is nothing to read")?;
@@ -341,7 +341,7 @@ fn headers(arguments: &Headers) -> anyhow::Result<Outcome> {
         None => session.writable(),
     };
     write(&changes, &within, false)?;
-    Ok(Outcome::Fine)
+    Ok(Exit::Fine)
 }
 
 /// Writes changes, all or none, and prints the names of the files; or prints the differences.

@@ -14,7 +14,7 @@ use dotgen_views::verification::Problem;
 use super::session::Session;
 use super::system_options::{DurationsName, SystemOptions};
 use super::verify::{body, one_problem, parsed, prepared};
-use super::{Outcome, SpecificationOptions, report, session};
+use super::{Exit, SpecificationOptions, report, session};
 
 /// Words of the first lines of each file that the command writes.
 const MARK: &str = "written by dotgen export";
@@ -98,9 +98,9 @@ impl ModelOptions {
     }
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
     let Some(Model { session, problem, prepared, .. }) = arguments.model.model()? else {
-        return Ok(Outcome::Unusable);
+        return Ok(Exit::Unusable);
     };
     let names = Names::new(&problem.specs());
     let place = |component: usize, src: Src| {
@@ -135,7 +135,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     for path in &paths {
         report::note(&format!("wrote `{}`", session::display(path)));
     }
-    Ok(Outcome::Fine)
+    Ok(Exit::Fine)
 }
 
 /// Checks that a file is missing, or was written by an earlier export.

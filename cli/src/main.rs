@@ -149,8 +149,8 @@ fn definition(text: &str) -> Result<String, String> {
     Ok(text.to_owned())
 }
 
-/// The outcome of a command.
-enum Outcome {
+/// The exit status of a command.
+enum Exit {
     /// No errors: exit status 0.
     Fine,
     /// The specification has errors, or is not formatted: 1.
@@ -219,11 +219,11 @@ fn main() -> ExitCode {
         Command::Mcp(_) => mcp::run(),
     };
     match result {
-        Ok(Outcome::Fine) => ExitCode::SUCCESS,
-        Ok(Outcome::Errors) => ExitCode::from(1),
-        Ok(Outcome::Unusable) => ExitCode::from(2),
-        Ok(Outcome::GaveUp) => ExitCode::from(3),
-        Ok(Outcome::NotStopped) => ExitCode::from(4),
+        Ok(Exit::Fine) => ExitCode::SUCCESS,
+        Ok(Exit::Errors) => ExitCode::from(1),
+        Ok(Exit::Unusable) => ExitCode::from(2),
+        Ok(Exit::GaveUp) => ExitCode::from(3),
+        Ok(Exit::NotStopped) => ExitCode::from(4),
         // The reader of the output has closed it.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {

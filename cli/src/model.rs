@@ -5,7 +5,7 @@ use std::io::Write;
 use camino::Utf8PathBuf;
 use clap::Args;
 
-use super::{Outcome, SpecificationOptions, report, session};
+use super::{Exit, SpecificationOptions, report, session};
 
 /// Print the component model of a specification as JSON
 ///
@@ -22,9 +22,9 @@ pub(super) struct Arguments {
     reading: SpecificationOptions,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
     let session = session::single(&arguments.file, &arguments.reading)?;
-    let mut outcome = Outcome::Fine;
+    let mut outcome = Exit::Fine;
     for file in &session.files {
         let unit = session.ask(&file.path, |analysis| analysis.root_unit(&file.path))?;
         let model = dotgen_views::model::document(&unit);
@@ -35,7 +35,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             let mut texts = session::Texts::default();
             session.add_texts(&unit.diagnostics, &mut texts)?;
             report::text::print_errors(&unit.diagnostics, &texts)?;
-            outcome = Outcome::Errors;
+            outcome = Exit::Errors;
         }
     }
     Ok(outcome)

@@ -15,7 +15,7 @@ use serde_json::Value;
 use super::call::RunConnection;
 use super::wcet::unreadable;
 use super::write::{Input, Pacer};
-use super::{Outcome, report};
+use super::{Exit, report};
 
 /// Write the port data of a recording to input ports of a run, at the recorded times
 ///
@@ -81,7 +81,7 @@ struct Topic {
     why: Option<String>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
     let path = &arguments.file;
     let bytes = std::fs::read(path).map_err(|error| unreadable(path, &error))?;
     let data = record::read_data(&bytes).map_err(|error| anyhow::anyhow!("`{path}`: {error}"))?;
@@ -106,9 +106,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     Ok(
         match (all().any(|target| target.written > 0), all().any(|target| target.refused.is_some()))
         {
-            (false, _) => Outcome::Unusable,
-            (true, true) => Outcome::Errors,
-            (true, false) => Outcome::Fine,
+            (false, _) => Exit::Unusable,
+            (true, true) => Exit::Errors,
+            (true, false) => Exit::Fine,
         },
     )
 }

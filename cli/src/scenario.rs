@@ -13,7 +13,7 @@ use dotgen_timing::scn::requests;
 use dotgen_views::verification::problem::components;
 
 use crate::verify::one_problem;
-use crate::{Outcome, SpecificationOptions, report, session};
+use crate::{Exit, SpecificationOptions, report, session};
 
 /// Write scenarios from files of published models
 #[derive(Debug, Args)]
@@ -58,14 +58,14 @@ enum UnitName {
     Us,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
     match &arguments.command {
         Command::Import(import) => import.run(),
     }
 }
 
 impl Import {
-    fn run(&self) -> anyhow::Result<Outcome> {
+    fn run(&self) -> anyhow::Result<Exit> {
         let is_specification = |path: &&Utf8PathBuf| language::is_specification(path);
         let specifications: Vec<_> = self.files.iter().filter(is_specification).cloned().collect();
         let others: Vec<_> = self.files.iter().filter(|path| !is_specification(path)).collect();
@@ -78,7 +78,7 @@ impl Import {
             anyhow::anyhow!("{file}:{}: {}", malformed.line, malformed.what)
         })?;
         let Some((_, problem)) = one_problem(&specifications, &self.reading)? else {
-            return Ok(Outcome::Unusable);
+            return Ok(Exit::Unusable);
         };
         let specs = problem.specs();
         let all: Vec<_> = specs.iter().flat_map(|spec| components(spec)).collect();
@@ -94,7 +94,7 @@ impl Import {
         ensure!(!client.steps.is_empty(), "`{file}` has no request of these components");
         let text = self.scenario(file, &specifications, &client.steps)?;
         self.write(&text)?;
-        Ok(if client.unknown.is_empty() { Outcome::Fine } else { Outcome::Errors })
+        Ok(if client.unknown.is_empty() { Exit::Fine } else { Exit::Errors })
     }
 
     /// Returns the text of a scenario over the specifications, with a client of the steps.

@@ -9,7 +9,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::call::RunConnection;
-use super::{Outcome, failure, report};
+use super::{Exit, failure, report};
 
 /// Write a value to an input port of a component that runs (`dotgen run --clock real`)
 ///
@@ -114,7 +114,7 @@ fn ended(which: &str) -> anyhow::Error {
     anyhow::anyhow!("the run has ended: {which} was not written")
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
     let value = match arguments.value.as_str() {
         "-" => None,
         text => Some(parse(text)?),
@@ -137,26 +137,26 @@ fn write_value(
     arguments: &Arguments,
     input: &mut Input<'_>,
     value: &Value,
-) -> anyhow::Result<Outcome> {
+) -> anyhow::Result<Exit> {
     if !input.write(value)? {
         return Err(ended("the value"));
     }
     let Some(rate) = arguments.rate else {
-        return Ok(Outcome::Fine);
+        return Ok(Exit::Fine);
     };
     let period = Duration::from_secs_f64(1.0 / rate);
     loop {
         // The value stays the same: missed writes are not repeated.
         std::thread::sleep(period);
         if !input.write(value)? {
-            return Ok(Outcome::Fine);
+            return Ok(Exit::Fine);
         }
     }
 }
 
-fn write_lines(arguments: &Arguments, input: &mut Input<'_>) -> anyhow::Result<Outcome> {
+fn write_lines(arguments: &Arguments, input: &mut Input<'_>) -> anyhow::Result<Exit> {
     let period = arguments.rate.map(|rate| 1.0 / rate);
-    let mut outcome = Outcome::Fine;
+    let mut outcome = Exit::Fine;
     let mut pace = Pacer::begin();
     let mut count = 0.0;
     for (number, line) in (1u64..).zip(std::io::stdin().lock().lines()) {
@@ -173,7 +173,7 @@ fn write_lines(arguments: &Arguments, input: &mut Input<'_>) -> anyhow::Result<O
             Ok(false) => return Err(ended(&format!("line {number}"))),
             Err(error) => {
                 failure(&error.context(format!("line {number} was not written")));
-                outcome = Outcome::Errors;
+                outcome = Exit::Errors;
             }
         }
     }

@@ -123,7 +123,7 @@ pub enum Confirmation {
 
 /// The result of a run.
 #[derive(Debug)]
-pub struct Outcome {
+pub struct TemplateResult {
     /// Exit status: 0, the status of the template's `exit`, or 2.
     pub status: i32,
     /// The written files, if they were kept.
@@ -158,13 +158,13 @@ impl Run<'_> {
         compiler: &mut Compiler,
         console: &mut dyn Console,
         sink: OutputSink,
-    ) -> Outcome {
+    ) -> TemplateResult {
         let tmpdir = match self.processes.folder(self.tmpdir.as_deref()) {
             Ok(tmpdir) => tmpdir,
             Err(error) => {
                 let message = format!("cannot create a temporary directory: {error}");
                 console.err(&format!("{}: {message}", self.name()));
-                return Outcome { status: 2, sink, error: Some(message), place: None };
+                return TemplateResult { status: 2, sink, error: Some(message), place: None };
             }
         };
         let disk = Arc::clone(&self.disk);

@@ -11,7 +11,7 @@ use dotgen_codegen::compiler::Compiler;
 use dotgen_codegen::template::console::CapturedConsole;
 use dotgen_codegen::template::discover::SearchPath;
 use dotgen_codegen::template::{
-    Confinement, Confirmation, Limits, Outcome, OutputSink, Run, find_tclsh,
+    Confinement, Confirmation, Limits, OutputSink, Run, TemplateResult, find_tclsh,
 };
 use dotgen_platform::files::disk::SystemDisk;
 use dotgen_platform::files::vfs::Vfs;
@@ -43,7 +43,7 @@ fn run(
     args: &[&str],
     sink: OutputSink,
     limits: Limits,
-) -> Option<(Outcome, CapturedConsole)> {
+) -> Option<(TemplateResult, CapturedConsole)> {
     if let Err(reason) = find_tclsh() {
         dotgen_loaders::skip(format_args!("{reason}"));
         return None;

@@ -34,7 +34,7 @@ pub struct GoalInfo {
 
 /// The end of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outcome<'a> {
+pub enum RequestEnd<'a> {
     /// The outputs, as bytes of the glue.
     Done(&'a [u8]),
     /// An exception.
@@ -94,7 +94,7 @@ impl<'s> Payloads<'s> {
     ///
     /// # Errors
     /// The bytes are not outputs of the service, or not members of the exception.
-    pub fn response(&self, service: ServiceId, outcome: Outcome<'_>) -> Bytes {
+    pub fn response(&self, service: ServiceId, outcome: RequestEnd<'_>) -> Bytes {
         let mut out = writer();
         self.outcome(service, outcome, &mut out)?;
         Ok(out.finish())
@@ -118,7 +118,7 @@ impl<'s> Payloads<'s> {
     ///
     /// # Errors
     /// The bytes are not outputs of the service, or not members of the exception.
-    pub fn result(&self, service: ServiceId, status: i8, outcome: Outcome<'_>) -> Bytes {
+    pub fn result(&self, service: ServiceId, status: i8, outcome: RequestEnd<'_>) -> Bytes {
         let mut out = writer();
         out.number(status.to_ne_bytes());
         self.outcome(service, outcome, &mut out)?;
@@ -137,18 +137,18 @@ impl<'s> Payloads<'s> {
     fn outcome(
         &self,
         service: ServiceId,
-        outcome: Outcome<'_>,
+        outcome: RequestEnd<'_>,
         to: &mut CdrWriter,
     ) -> Result<(), ValueError> {
         let (exception, detail) = match outcome {
-            Outcome::Done(outputs) => {
+            RequestEnd::Done(outputs) => {
                 let mut from = Reader::new(outputs);
                 for param in self.params(service, is_output) {
                     to.value(self.values, param.ty, &mut from)?;
                 }
                 ("", &[][..])
             }
-            Outcome::Failed { exception, detail } => {
+            RequestEnd::Failed { exception, detail } => {
                 for param in self.params(service, is_output) {
                     let zero = self.values.encode(param.ty, &Value::Null)?;
                     to.value(self.values, param.ty, &mut Reader::new(&zero))?;

@@ -7,7 +7,7 @@ use dotgen_analysis::host::{AnalysisHost, BatchInput, Input, UnitResult};
 use dotgen_analysis::model::ComponentKind;
 use dotgen_codegen::codels::value::Values;
 use dotgen_loaders::Disk;
-use dotgen_ros2::cdr::{Outcome, Payloads};
+use dotgen_ros2::cdr::{Payloads, RequestEnd};
 use dotgen_ros2::conversion::Conversions;
 use dotgen_ros2::interfaces::interfaces;
 use dotgen_ros2::node::endpoints;
@@ -70,7 +70,7 @@ fn published_components_are_offered() {
             }
             for service in component.services.keys() {
                 let (exception, detail) = ("::other", &[][..]);
-                let failed = Outcome::Failed { exception, detail };
+                let failed = RequestEnd::Failed { exception, detail };
                 payloads.response(service, failed).expect("a response");
             }
         }

@@ -2,7 +2,7 @@
 
 use dotgen_codegen::codels::cdr::{CdrWriter, Unions, to_cdr};
 use dotgen_codegen::codels::value::{Reader, Values};
-use dotgen_ros2::cdr::{self, GoalInfo, Outcome, Payloads, Stamp};
+use dotgen_ros2::cdr::{self, GoalInfo, Payloads, RequestEnd, Stamp};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -119,7 +119,7 @@ fn requests_and_responses_are_one_stream() {
 
     let mut outputs = values.encode(type_of(spec, SHAPE), &shape).expect("a value");
     outputs.extend([1u32.to_ne_bytes(), 9u32.to_ne_bytes()].concat());
-    let result = payloads.result(fill, cdr::SUCCEEDED, Outcome::Done(&outputs));
+    let result = payloads.result(fill, cdr::SUCCEEDED, RequestEnd::Done(&outputs));
     // Status, shape, steps, no exception, no member of one.
     let expected = body(&[
         &[4, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 3, 0, 0, 0],
@@ -139,7 +139,7 @@ fn an_exception_has_its_name_and_members() {
     let detail = Values::new(spec).encode(ty, &detail).expect("a value");
     let failed = |exception, detail| {
         let wish = service(spec, "wish");
-        payloads.response(wish, Outcome::Failed { exception, detail })
+        payloads.response(wish, RequestEnd::Failed { exception, detail })
     };
     let text =
         |text: &str| [&(text.len() as u32 + 1).to_le_bytes()[..], text.as_bytes(), &[0]].concat();

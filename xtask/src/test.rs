@@ -37,7 +37,7 @@ pub(crate) struct Options {
 struct Suite {
     name: &'static str,
     lane: Lane,
-    run: fn() -> Result<Outcome>,
+    run: fn() -> Result<TestCounts>,
 }
 
 /// The suites that a suite runs beside.
@@ -53,7 +53,7 @@ enum Lane {
 
 /// Numbers of tests; a suite that is one check counts as one test.
 #[derive(Default)]
-pub(crate) struct Outcome {
+pub(crate) struct TestCounts {
     pub(crate) passed: usize,
     pub(crate) failed: usize,
     /// The reason of each test that could not run.
@@ -62,14 +62,14 @@ pub(crate) struct Outcome {
     pub(crate) notes: Vec<String>,
 }
 
-impl Outcome {
+impl TestCounts {
     /// The outcome of a suite that is one check.
-    fn one(passed: bool) -> Outcome {
-        Outcome { passed: passed.into(), failed: (!passed).into(), ..Outcome::default() }
+    fn one(passed: bool) -> TestCounts {
+        TestCounts { passed: passed.into(), failed: (!passed).into(), ..TestCounts::default() }
     }
 
     /// Counts a failure of the program itself, if it failed and no test did.
-    fn ended(mut self, succeeded: bool) -> Outcome {
+    fn ended(mut self, succeeded: bool) -> TestCounts {
         self.failed += usize::from(!succeeded && self.failed == 0);
         self
     }
@@ -78,7 +78,7 @@ impl Outcome {
 /// A suite that ran.
 struct Row {
     name: &'static str,
-    outcome: Result<Outcome>,
+    outcome: Result<TestCounts>,
     time: Duration,
 }
 
@@ -178,18 +178,18 @@ fn download() -> Result<()> {
     Workbench::set_up().map(drop)
 }
 
-fn format() -> Result<Outcome> {
-    run::watch(run::cargo(&["fmt", "--all", "--check"]), |_| ()).map(Outcome::one)
+fn format() -> Result<TestCounts> {
+    run::watch(run::cargo(&["fmt", "--all", "--check"]), |_| ()).map(TestCounts::one)
 }
 
-fn notices() -> Result<Outcome> {
-    notices::notices(&notices::Options { check: true }).map(Outcome::one)
+fn notices() -> Result<TestCounts> {
+    notices::notices(&notices::Options { check: true }).map(TestCounts::one)
 }
 
 /// Checks that the lock files of the workspaces of their own, the fuzzed programs and the measurements, are
 /// current.
-fn locks() -> Result<Outcome> {
-    let mut outcome = Outcome::default();
+fn locks() -> Result<TestCounts> {
+    let mut outcome = TestCounts::default();
     for folder in ["fuzz", "bench"] {
         let manifest = format!("--manifest-path={folder}/Cargo.toml");
         let arguments = ["metadata", "--locked", "--format-version=1", &manifest];
@@ -226,11 +226,11 @@ fn copy(from: &Path, to: &Path) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Outcome, count};
+    use super::{TestCounts, count};
 
     #[test]
     fn the_summary_of_node_is_read() {
-        let mut outcome = Outcome::default();
+        let mut outcome = TestCounts::default();
         let lines = ["ok 1 - # pass 3 of it", "# pass 10", "# fail 2", "# suites 0"];
         for line in &lines {
             super::editors::tap(line, &mut outcome);

@@ -28,7 +28,7 @@ use super::{
     hover,
 };
 use crate::elab::DefId;
-use names::Names;
+use names::VisibleNames;
 
 /// The kind of an item.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -155,7 +155,7 @@ pub(crate) fn completions(view: &FileView<'_>, at: usize) -> Vec<CompletionItem>
         // A directive is alone on its line.
         Surroundings::Code if line_behind(view, context.word.end.max(at)).starts_with('#') => {}
         Surroundings::Code => {
-            let names = Names::new(view, &context, at);
+            let names = VisibleNames::new(view, &context, at);
             code(&names, &context, &mut out);
         }
     }
@@ -184,7 +184,7 @@ pub(crate) fn resolve(view: &FileView<'_>, definition: DefId, name: &str) -> Opt
     Some(CompletionDoc { markdown })
 }
 
-fn code(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
+fn code(names: &VisibleNames<'_, '_>, context: &Context, out: &mut Completions) {
     propose(names, context, out);
     // No value is proposed before another one.
     use dotgen_syntax::SyntaxKind::*;
@@ -209,7 +209,7 @@ fn code(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
     }
 }
 
-fn propose(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
+fn propose(names: &VisibleNames<'_, '_>, context: &Context, out: &mut Completions) {
     match context.top().kind {
         FrameKind::Body(kind) => statement::complete(names, context, kind, out),
         FrameKind::Paren => parameter::in_parentheses(names, context, out),

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::{
     FileView,
-    completion::{initializer, names::Names, parameter_list},
+    completion::{initializer, names::VisibleNames, parameter_list},
     context::{Context, FrameKind, Surroundings, Word, surroundings},
     render,
 };
@@ -30,7 +30,7 @@ pub(crate) fn signature_help(view: &FileView<'_>, at: usize) -> Option<Signature
         return None;
     }
     let context = Context::new(view, at);
-    let names = Names::new(view, &context, at);
+    let names = VisibleNames::new(view, &context, at);
     let mut frame = context.frames.len() - 1;
     // Inside an index or an expression: use the enclosing list.
     while frame > 0
@@ -48,7 +48,7 @@ pub(crate) fn signature_help(view: &FileView<'_>, at: usize) -> Option<Signature
 }
 
 /// The members that braces initialize.
-fn members(names: &Names<'_, '_>, context: &Context, frame: usize) -> Option<SignatureHelp> {
+fn members(names: &VisibleNames<'_, '_>, context: &Context, frame: usize) -> Option<SignatureHelp> {
     let ty = initializer::compound_type(names, context, frame)?;
     let spec = names.spec();
     let place = &context.frames[frame];
@@ -99,7 +99,7 @@ fn position(
     next + usize::from(before.last().is_some_and(|token| token.is(",")))
 }
 
-fn list(names: &Names<'_, '_>, context: &Context, frame: usize) -> Option<SignatureHelp> {
+fn list(names: &VisibleNames<'_, '_>, context: &Context, frame: usize) -> Option<SignatureHelp> {
     let place = &context.frames[frame];
     let head = context.head(place);
     let name = head.last().filter(|head| !head.is(">"))?;

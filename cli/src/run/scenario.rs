@@ -15,7 +15,7 @@ use crate::report::TextOrJson;
 use crate::session::{self, ErrorReporter, Session};
 use crate::verify::diagnostics::ScenarioDiagnostics;
 use crate::verify::{parsed, prepared};
-use crate::{Outcome, report, trace};
+use crate::{Exit, report, trace};
 
 /// The end of the run of one scenario.
 pub(super) enum Ended {
@@ -23,7 +23,7 @@ pub(super) enum Ended {
     /// The scenario has errors, which are printed.
     Unusable,
     /// The command ends.
-    Stopped(Outcome),
+    Stopped(Exit),
 }
 
 /// Runs one scenario.
@@ -67,9 +67,9 @@ pub(super) fn one(
     let Some(mut run) = context.run_while_proving(arguments, prepared, &mut files)? else {
         return Ok(Ended::Stopped(if interrupt.is_raised() {
             report::note("interrupted before it ran");
-            Outcome::GaveUp
+            Exit::GaveUp
         } else {
-            Outcome::Unusable
+            Exit::Unusable
         }));
     };
     run.report.notes.extend(untimed);

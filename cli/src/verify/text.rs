@@ -133,7 +133,7 @@ pub(super) fn tail(answer: &Answer, explained: bool) -> anyhow::Result<()> {
     let out = &mut anstream::AutoStream::auto(std::io::stdout().lock());
     let (report, view) = (&answer.report, answer.view());
     ground(out, &report.assumptions, &report.notes)?;
-    if let Some(report) = advice::of_report(report, &answer.problem, advice::Names::Options) {
+    if let Some(report) = advice::of_report(report, &answer.problem, advice::LimitNames::Options) {
         writeln!(out, "\n{TITLE}help{TITLE:#}: {}", wrapped(&report, 6, 2))?;
     }
     let count = |outcome| view.checks.iter().filter(|check| check.verdict == outcome).count();

@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use super::read_log;
 use crate::width::Table;
-use crate::{Outcome, outputs, report};
+use crate::{Exit, outputs, report};
 
 /// Print statistics of logs: execution times, cycles, transitions
 ///
@@ -52,7 +52,7 @@ struct Document<'d> {
     left: &'d SkippedLines,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
     let mut collector = Collector::default();
     for log in &arguments.logs {
         read_log(log, |_, line, ended| collector.line(line, ended))?;
@@ -80,15 +80,15 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         Format::Json => {
             let document = Document { format: 1, groups: &groups, left: &collector.left };
             outputs::print_json(&document)?;
-            return Ok(Outcome::Fine);
+            return Ok(Exit::Fine);
         }
         Format::Text => return print(&groups, &collector.left),
     };
     std::io::stdout().write_all(text.as_bytes())?;
-    Ok(Outcome::Fine)
+    Ok(Exit::Fine)
 }
 
-fn print(groups: &[Group], left: &SkippedLines) -> anyhow::Result<Outcome> {
+fn print(groups: &[Group], left: &SkippedLines) -> anyhow::Result<Exit> {
     let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
     let mut rows = vec![["", "runs", "least", "greatest", "mean", "deviation"].map(str::to_owned)];
     for group in groups {
@@ -111,7 +111,7 @@ fn print(groups: &[Group], left: &SkippedLines) -> anyhow::Result<Outcome> {
     for text in told(left) {
         writeln!(out, "{text}")?;
     }
-    Ok(Outcome::Fine)
+    Ok(Exit::Fine)
 }
 
 fn row(name: String, times: &Times) -> [String; 6] {

@@ -2,7 +2,7 @@
 //!
 //! The renamed names are found by a comparison of the whole mapping before and after (`names`), so that every
 //! name derived by the mapping is covered: events, exceptions with their details, types, enumerators,
-//! prototypes, ports. Names of the mapping are renamed token by token in the parsed sources. A member is
+//! prototypes, ports. NewNames of the mapping are renamed token by token in the parsed sources. A member is
 //! renamed only if the type of its value is known (`super::source::types`). Ambiguous names are unchanged,
 //! and listed.
 
@@ -16,7 +16,7 @@ use dotgen_analysis::host::UnitResult;
 use smol_str::SmolStr;
 use tree_sitter::Node;
 
-use self::names::{Names, words};
+use self::names::{NewNames, words};
 use super::{
     edit::Edit,
     expected::Expected,
@@ -135,7 +135,7 @@ pub fn rename(
             return Err(RenameRefusal::Names(MissingNames::Structure));
         }
         let new = Expected::in_language(&after.spec, before.component, before.language);
-        let names = Names::new(&before, &new).map_err(RenameRefusal::Names)?;
+        let names = NewNames::new(&before, &new).map_err(RenameRefusal::Names)?;
         if names.is_empty() {
             continue;
         }
@@ -158,7 +158,7 @@ pub fn rename(
 }
 
 /// Checks that no source declares one of the new names.
-fn check_free(folder: &Folder, names: &Names) -> Result<(), RenameRefusal> {
+fn check_free(folder: &Folder, names: &NewNames) -> Result<(), RenameRefusal> {
     let functions = names.clashing.values().flatten().map(|to| (true, to));
     let globals = names.globals.iter().map(|((scopes, _), to)| (scopes.is_empty(), to));
     for (is_global, to) in globals.chain(functions) {
@@ -180,7 +180,7 @@ fn check_free(folder: &Folder, names: &Names) -> Result<(), RenameRefusal> {
 /// One source.
 struct File<'a> {
     file: &'a IndexedFile,
-    names: &'a Names,
+    names: &'a NewNames,
     types: &'a Types,
     out: &'a mut Renaming,
 }
@@ -441,7 +441,7 @@ impl<'a> File<'a> {
         }
     }
 
-    /// Names of the mapping in strings and comments.
+    /// NewNames of the mapping in strings and comments.
     fn prose(&mut self, span: &Span, why: UnchangedReason) {
         let text = self.text(span);
         for (at, word) in spelled(text) {

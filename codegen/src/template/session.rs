@@ -16,14 +16,14 @@ use super::host::Host;
 use super::object::Registry;
 use super::output::{Environment, Output, posix};
 use super::readable_files::ReadableFiles;
-use super::{Failure, Outcome, Run, tcl};
+use super::{Failure, Run, TemplateResult, tcl};
 use crate::compiler::Compiler;
 use crate::frontend::Compiled;
 use crate::lang::Language;
 use crate::process::Processes;
 
 /// The state of a run.
-pub(super) struct Session<'a> {
+pub(super) struct Execution<'a> {
     run: &'a Run<'a>,
     host: Host,
     compiler: &'a mut Compiler,
@@ -60,7 +60,7 @@ pub(super) fn run(
     console: &mut dyn Console,
     output: Output,
     tmpdir: PathBuf,
-) -> Outcome {
+) -> TemplateResult {
     let name = run.name();
     let reach = run.confined.map(|_| {
         ReadableFiles::new(&*run.disk, &run.dir, run.search, &run.base, &run.args, &tmpdir)
@@ -88,7 +88,7 @@ pub(super) fn run(
         Ok(host) => host,
         Err(message) => {
             console.err(&format!("{name}: {message}"));
-            return Outcome {
+            return TemplateResult {
                 status: 2,
                 sink: output.finish(true).0,
                 error: Some(message),
@@ -97,7 +97,7 @@ pub(super) fn run(
         }
     };
     let compiled = compiler.compiled();
-    let mut session = Session {
+    let mut session = Execution {
         run,
         host,
         compiler,
@@ -119,9 +119,9 @@ pub(super) fn run(
     session.conclude(ended)
 }
 
-impl Session<'_> {
+impl Execution<'_> {
     /// Reports the end of the template and writes the output.
-    fn conclude(mut self, ended: Result<ScriptEnd, String>) -> Outcome {
+    fn conclude(mut self, ended: Result<ScriptEnd, String>) -> TemplateResult {
         let name = self.run.name();
         // Output of a template that failed stays, as with GenoM3. If dotgen ended the template, nothing is
         // written.
@@ -153,7 +153,7 @@ impl Session<'_> {
         }
         let unwritten = self.output.files.changed();
         let (sink, written) = self.output.finish(ended_by_us);
-        let mut outcome = Outcome { status, sink, error, place };
+        let mut outcome = TemplateResult { status, sink, error, place };
         if let Err(problem) = written {
             let message = problem.to_string();
             self.console.err(&format!("{name}: {message}"));
@@ -357,7 +357,7 @@ impl Session<'_> {
     }
 }
 
-impl Environment for Session<'_> {
+impl Environment for Execution<'_> {
     fn console(&mut self) -> &mut dyn Console {
         &mut *self.console
     }

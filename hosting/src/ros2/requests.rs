@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use dotgen_codegen::codels::value::{Values, is_output};
-use dotgen_ros2::cdr::{self, GoalId, GoalInfo, Outcome, Payloads, Stamp};
+use dotgen_ros2::cdr::{self, GoalId, GoalInfo, Payloads, RequestEnd, Stamp};
 use dotgen_ros2::node::Part;
 use dotgen_runtime::hosts::{Message, OutsideRequest, RequestReply};
 use serde_json::Value;
@@ -279,7 +279,7 @@ impl Requests {
         component: ComponentId,
         service: ServiceId,
         status: i8,
-        outcome: Outcome<'_>,
+        outcome: RequestEnd<'_>,
     ) -> Vec<u8> {
         let payloads = self.payloads(component);
         let result = payloads.result(service, status, outcome);
@@ -320,10 +320,10 @@ impl Requests {
             }
             RequestReply::Done(outputs) if outputs.is_empty() => {
                 zeros = self.zeros(component, service);
-                Outcome::Done(&zeros)
+                RequestEnd::Done(&zeros)
             }
-            RequestReply::Done(outputs) => Outcome::Done(outputs),
-            RequestReply::Failed { exception, detail } => Outcome::Failed { exception, detail },
+            RequestReply::Done(outputs) => RequestEnd::Done(outputs),
+            RequestReply::Failed { exception, detail } => RequestEnd::Failed { exception, detail },
         };
         match state.pending.remove(&id).map(|pending| pending.wants) {
             Some(Wants::Response(asked)) => {
@@ -340,14 +340,14 @@ impl Requests {
                     let was_canceled = goal.status == CANCELING;
                     goal.status = match outcome {
                         // The state `stop` ends an activity like any other state.
-                        Outcome::Done(_) if was_canceled => cdr::CANCELED,
-                        Outcome::Done(_) => cdr::SUCCEEDED,
-                        Outcome::Failed { exception, .. }
+                        RequestEnd::Done(_) if was_canceled => cdr::CANCELED,
+                        RequestEnd::Done(_) => cdr::SUCCEEDED,
+                        RequestEnd::Failed { exception, .. }
                             if was_canceled && exception == "::genom::interrupted" =>
                         {
                             cdr::CANCELED
                         }
-                        Outcome::Failed { .. } => cdr::ABORTED,
+                        RequestEnd::Failed { .. } => cdr::ABORTED,
                     };
                     let result = self.result(component, service, goal.status, outcome);
                     for asked in goal.waiting.drain(..) {
@@ -372,6 +372,7 @@ impl Requests {
     }
 }
 
-const FORGOTTEN: Outcome<'_> = Outcome::Failed { exception: "", detail: &[] };
+const FORGOTTEN: RequestEnd<'_> = RequestEnd::Failed { exception: "", detail: &[] };
 
-const UNREADABLE: Outcome<'_> = Outcome::Failed { exception: "::dotgen::unreadable", detail: &[] };
+const UNREADABLE: RequestEnd<'_> =
+    RequestEnd::Failed { exception: "::dotgen::unreadable", detail: &[] };

@@ -117,7 +117,7 @@ impl HandlerState {
     }
 }
 
-enum Outcome<R> {
+enum HandlerResult<R> {
     Done(R),
     Unknown,
     Outdated,
@@ -381,11 +381,11 @@ impl Dispatcher {
                 }),
             });
             match answer.await {
-                Ok(Outcome::Done(value)) => return Ok(value),
-                Ok(Outcome::Unknown) => return Ok(R::default()),
-                Ok(Outcome::Outdated) => break,
-                Ok(Outcome::Cancelled(version)) => expected = Some(version),
-                Ok(Outcome::Panicked(message)) => return Err(self.panicked(&message)),
+                Ok(HandlerResult::Done(value)) => return Ok(value),
+                Ok(HandlerResult::Unknown) => return Ok(R::default()),
+                Ok(HandlerResult::Outdated) => break,
+                Ok(HandlerResult::Cancelled(version)) => expected = Some(version),
+                Ok(HandlerResult::Panicked(message)) => return Err(self.panicked(&message)),
                 Err(_) => return Err(types::Error::request_cancelled()),
             }
         }
@@ -410,7 +410,7 @@ fn attempt<P, R>(
     params: &P,
     seen: &HandlerState,
     work: impl Fn(&Snapshot, Option<&Subject>, &P) -> Cancellable<R>,
-) -> Outcome<R> {
+) -> HandlerResult<R> {
     let (snapshot, subject) = match admission {
         Admission::Admitted(mut snapshot, subject) => {
             snapshot.progress = seen.progress.clone();
@@ -418,8 +418,8 @@ fn attempt<P, R>(
             seen.wanted.store(wanted, Ordering::Release);
             (snapshot, subject)
         }
-        Admission::UnknownDocument => return Outcome::Unknown,
-        Admission::Outdated => return Outcome::Outdated,
+        Admission::UnknownDocument => return HandlerResult::Unknown,
+        Admission::Outdated => return HandlerResult::Outdated,
     };
     let question = std::any::type_name::<P>();
     let path = subject.as_ref().map(|subject| subject.path.as_str());
@@ -429,12 +429,12 @@ fn attempt<P, R>(
     let result = panic::isolate(|| work(&snapshot, subject.as_ref(), params));
     tracing::debug!(elapsed = ?start.elapsed(), ok = matches!(result, Ok(Ok(_))), "answered");
     match result {
-        Ok(Ok(value)) => Outcome::Done(value),
+        Ok(Ok(value)) => HandlerResult::Done(value),
         // Salsa reports `PropagatedPanic` for any unwinding of the thread that this one waited for. The cause
         // is nearly always a pending write. After a true panic the next attempt panics itself.
         Ok(Err(Cancelled::PendingWrite | Cancelled::Local | Cancelled::PropagatedPanic)) => {
-            Outcome::Cancelled(version)
+            HandlerResult::Cancelled(version)
         }
-        Err(message) => Outcome::Panicked(message),
+        Err(message) => HandlerResult::Panicked(message),
     }
 }

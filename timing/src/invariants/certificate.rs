@@ -7,7 +7,7 @@ mod words;
 use serde::Serialize;
 use serde_json::Map;
 
-use self::words::{Names, Unique};
+use self::words::{PartNames, Unique};
 use super::parts::{Local, Part, Parts, is_exact};
 use crate::property::{Atom, Predicate};
 use crate::system::{CodelId, TimedSystem};
@@ -128,7 +128,7 @@ impl SystemCertificate {
     /// claims it.
     pub fn new(system: &TimedSystem, claims: &[(String, Predicate)]) -> SystemCertificate {
         let parts = Parts::of(system);
-        let names = Names::of(&parts);
+        let names = PartNames::of(&parts);
         let mut atoms = Atoms {
             parts: &parts,
             names: &names,
@@ -153,7 +153,7 @@ impl SystemCertificate {
 
 /// Returns codels with locks that make the same codels exclude each other as in the system: each codel has a
 /// lock, which it holds exclusively. Codels that exclude it hold the lock too.
-fn codels(system: &TimedSystem, names: &Names) -> Vec<CodelEntry> {
+fn codels(system: &TimedSystem, names: &PartNames) -> Vec<CodelEntry> {
     let excludes = |one: CodelId, other: CodelId| {
         let [one_set, other_set] = [one, other].map(|codel| &system.codels[codel].conflicts);
         one_set.contains(other) && other_set.contains(one)
@@ -178,7 +178,7 @@ fn codels(system: &TimedSystem, names: &Names) -> Vec<CodelEntry> {
     system.codels.keys().map(entry).collect()
 }
 
-fn part_entry(parts: &Parts, part: &Part, name: &str, names: &Names) -> PartEntry {
+fn part_entry(parts: &Parts, part: &Part, name: &str, names: &PartNames) -> PartEntry {
     let of_part = names.states(parts, part);
     let service = |service| parts.system.service_path(service);
     let state = |(local, name): (&Local, &String)| StateEntry {
@@ -209,7 +209,7 @@ fn part_entry(parts: &Parts, part: &Part, name: &str, names: &Names) -> PartEntr
 /// The atoms of formulas.
 struct Atoms<'p> {
     parts: &'p Parts<'p>,
-    names: &'p Names,
+    names: &'p PartNames,
     unique: Unique,
     known: Vec<Atom>,
     entries: Vec<AtomEntry>,

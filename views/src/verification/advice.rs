@@ -8,29 +8,29 @@ use super::Problem;
 
 /// The names of the limits of a verification, by the way in which it was started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Names {
+pub enum LimitNames {
     /// Options of the command line.
     Options,
     /// Settings of the editor and `dotgen.toml`.
     Settings,
 }
 
-impl Names {
+impl LimitNames {
     fn of(self, reason: Stop) -> Option<&'static str> {
         match (reason, self) {
-            (Stop::States, Names::Options) => Some("--max-states"),
-            (Stop::States, Names::Settings) => Some("verification.max-states"),
-            (Stop::Memory, Names::Options) => Some("--max-memory"),
-            (Stop::Memory, Names::Settings) => Some("verification.max-memory"),
-            (Stop::Time, Names::Options) => Some("--timeout"),
-            (Stop::Time, Names::Settings) => Some("verification.time-limit"),
+            (Stop::States, LimitNames::Options) => Some("--max-states"),
+            (Stop::States, LimitNames::Settings) => Some("verification.max-states"),
+            (Stop::Memory, LimitNames::Options) => Some("--max-memory"),
+            (Stop::Memory, LimitNames::Settings) => Some("verification.max-memory"),
+            (Stop::Time, LimitNames::Options) => Some("--timeout"),
+            (Stop::Time, LimitNames::Settings) => Some("verification.time-limit"),
             (Stop::Cancelled | Stop::Interrupted | Stop::Answered, _) => None,
         }
     }
 }
 
 /// Advice on all checks of a report that gave up; none if there are no such checks.
-pub fn of_report(report: &Report, problem: &Problem, names: Names) -> Option<String> {
+pub fn of_report(report: &Report, problem: &Problem, names: LimitNames) -> Option<String> {
     let open = report.checks.iter();
     let open = open.filter(|check| check.verdict == Verdict::Unknown);
     let reasons = open.filter_map(|check| Some(check.gave_up?.reason));
@@ -41,7 +41,7 @@ pub fn of_report(report: &Report, problem: &Problem, names: Names) -> Option<Str
 pub fn of(
     reasons: impl IntoIterator<Item = Stop>,
     problem: &Problem,
-    names: Names,
+    names: LimitNames,
 ) -> Option<String> {
     let mut limits: Vec<String> = Vec::new();
     for reason in reasons.into_iter().filter_map(|reason| names.of(reason)) {
@@ -56,8 +56,8 @@ pub fn of(
         [all @ .., last] => format!("{} and {last}", all.join(", ")),
     };
     let place = match names {
-        Names::Options => "",
-        Names::Settings => " in the settings",
+        LimitNames::Options => "",
+        LimitNames::Settings => " in the settings",
     };
     let smaller = smaller(&problem.scenario, problem.is_written());
     // Without a scenario, a longer time limit rarely helps.
@@ -120,11 +120,11 @@ mod tests {
             of(reasons.iter().copied(), &problem(path, text), names).unwrap_or_default()
         };
         let all = [
-            say("c.gen", sending, &[Stop::States], Names::Options),
-            say("s.scn", sending, &[Stop::Memory], Names::Options),
-            say("s.scn", quiet, &[Stop::Time, Stop::Time], Names::Settings),
-            say("s.scn", quiet, &[Stop::Time, Stop::States], Names::Settings),
-            say("s.scn", quiet, &[Stop::Cancelled], Names::Settings),
+            say("c.gen", sending, &[Stop::States], LimitNames::Options),
+            say("s.scn", sending, &[Stop::Memory], LimitNames::Options),
+            say("s.scn", quiet, &[Stop::Time, Stop::Time], LimitNames::Settings),
+            say("s.scn", quiet, &[Stop::Time, Stop::States], LimitNames::Settings),
+            say("s.scn", quiet, &[Stop::Cancelled], LimitNames::Settings),
         ];
         expect_test::expect![[r"
             write a scenario whose client sends only the requests that matter, or raise `--max-states`

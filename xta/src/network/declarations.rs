@@ -1,7 +1,7 @@
 //! Declarations of variables, types, functions and priorities.
 
 use super::functions::{function, leaves};
-use super::scope::{Channel, LARGEST, Names, Program, Scope, Symbol, declare};
+use super::scope::{Channel, LARGEST, Program, Scope, Symbol, Symbols, declare};
 use crate::ast::{Declaration, Declarator, Expr, Initial, Name, TypeExpr};
 use crate::code::{CONSTANT, Root};
 use crate::error::{Res, fail};
@@ -10,7 +10,7 @@ use crate::types::Type;
 
 /// Where declarations go: the global names, or the names of a process with its name as prefix.
 pub(crate) struct Target<'n> {
-    pub(crate) names: Option<&'n mut Names>,
+    pub(crate) names: Option<&'n mut Symbols>,
     pub(crate) prefix: &'n str,
 }
 

@@ -250,7 +250,7 @@ impl Scope<'_> {
                 return fail(ty.at, "too many values: give the type a smaller range");
             }
             self.copies -= 1;
-            self.locals.push(super::scope::Names::default());
+            self.locals.push(super::scope::Symbols::default());
             self.declare(name, Symbol::Constant(value))?;
             out.push(each(self)?);
             self.locals.pop();

@@ -1,6 +1,6 @@
 //! Functions to code.
 
-use super::scope::{LARGEST, Names, Scope, Symbol};
+use super::scope::{LARGEST, Scope, Symbol, Symbols};
 use crate::ast::{Declarator, Expr, Function, Initial, Statement, TypeExpr};
 use crate::code::{self, Code, Op, Place, Root};
 use crate::error::{Res, fail};
@@ -11,7 +11,7 @@ const DEEPEST: u32 = 600;
 
 /// Compiles a function with the names declared so far, so that no function is recursive.
 pub(crate) fn function(scope: &mut Scope<'_>, function: &Function) -> Res<code::Function> {
-    scope.locals.push(Names::default());
+    scope.locals.push(Symbols::default());
     let mut parameters = Vec::new();
     for parameter in &function.parameters {
         let ty = scope.resolve(&parameter.ty)?;
@@ -65,7 +65,7 @@ impl Scope<'_> {
 
     fn block(&mut self, statements: &[Statement], level: u32, result: &Type) -> Res<Vec<Op>> {
         let frame = self.frame;
-        self.locals.push(Names::default());
+        self.locals.push(Symbols::default());
         let mut out = Vec::new();
         for statement in statements {
             self.statement(statement, level, result, &mut out)?;

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::declarations::{Target, add};
 use super::edges::{Edge, Guard, Location, Process, effect};
-use super::scope::{Member, Names, Program, Scope, Symbol, declare};
+use super::scope::{Member, Program, Scope, Symbol, Symbols, declare};
 use crate::ast::{self, Expr, Instance, Item, Model, Name};
 use crate::code::Root;
 use crate::error::{Res, fail};
@@ -94,7 +94,7 @@ impl Instantiation<'_> {
         if let Some(refused) = template.refused.first() {
             return fail(refused.at, refused.message);
         }
-        let mut names = Names::default();
+        let mut names = Symbols::default();
         let prefix = format!("{}.", self.name.text);
         self.parameters(program, &mut names, &prefix)?;
         for declaration in &template.declarations {
@@ -157,7 +157,7 @@ impl Instantiation<'_> {
         Ok(Process { name: self.name.text.clone(), locations, edges, outgoing, priority })
     }
 
-    fn parameters(&self, program: &mut Program, names: &mut Names, prefix: &str) -> Res<()> {
+    fn parameters(&self, program: &mut Program, names: &mut Symbols, prefix: &str) -> Res<()> {
         let (wanted, given) = (self.template.parameters.len(), self.arguments.len());
         if wanted != given {
             return fail(

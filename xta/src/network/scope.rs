@@ -1,4 +1,4 @@
-//! Names and their meaning.
+//! Symbols and their meaning.
 
 use std::collections::HashMap;
 
@@ -24,7 +24,7 @@ pub(crate) enum Symbol {
     Type(Type),
 }
 
-pub(crate) type Names = HashMap<String, Symbol>;
+pub(crate) type Symbols = HashMap<String, Symbol>;
 
 #[derive(Debug, Clone)]
 pub(crate) struct Channel {
@@ -40,7 +40,7 @@ pub(crate) struct Channel {
 pub(crate) struct Member {
     pub(crate) process: u32,
     pub(crate) locations: HashMap<String, i32>,
-    pub(crate) names: Names,
+    pub(crate) names: Symbols,
 }
 
 /// Everything that code refers to.
@@ -54,15 +54,15 @@ pub(crate) struct Program {
     pub(crate) slots: Vec<(String, Range)>,
     pub(crate) clocks: Vec<String>,
     pub(crate) channels: Vec<Channel>,
-    pub(crate) global: Names,
+    pub(crate) global: Symbols,
     pub(crate) members: HashMap<String, Member>,
 }
 
 /// The scopes at a place of a text.
 pub(crate) struct Scope<'p> {
     pub(crate) program: &'p Program,
-    pub(crate) process: Option<&'p Names>,
-    pub(crate) locals: Vec<Names>,
+    pub(crate) process: Option<&'p Symbols>,
+    pub(crate) locals: Vec<Symbols>,
     /// Slots of the frame in use, and the most in use so far.
     pub(crate) frame: u32,
     pub(crate) largest_frame: u32,
@@ -76,7 +76,7 @@ pub(crate) struct Scope<'p> {
 }
 
 impl<'p> Scope<'p> {
-    pub(crate) fn new(program: &'p Program, process: Option<&'p Names>) -> Scope<'p> {
+    pub(crate) fn new(program: &'p Program, process: Option<&'p Symbols>) -> Scope<'p> {
         Scope {
             program,
             process,
@@ -112,7 +112,7 @@ impl<'p> Scope<'p> {
 }
 
 /// Declares a name. A name may be declared once in a scope.
-pub(crate) fn declare(names: &mut Names, name: &Name, symbol: Symbol) -> Res<()> {
+pub(crate) fn declare(names: &mut Symbols, name: &Name, symbol: Symbol) -> Res<()> {
     match names.insert(name.text.clone(), symbol) {
         None => Ok(()),
         Some(_) => fail(name.at, format!("`{}` is declared twice", name.text)),

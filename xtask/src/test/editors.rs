@@ -2,14 +2,14 @@
 
 use anyhow::{Context, Result};
 
-use super::{Outcome, copy, count};
+use super::{TestCounts, copy, count};
 use crate::workbench::Workbench;
 use xtask::extension::{self, Profile};
 use xtask::run::{self, step};
 use xtask::shared;
 use xtask::tools;
 
-pub(super) fn neovim() -> Result<Outcome> {
+pub(super) fn neovim() -> Result<TestCounts> {
     tools::ensure(tools::NEOVIM)?;
     let script = xtask::root().join("tests/editors/neovim/nvim.lua");
     let arguments = [
@@ -44,14 +44,14 @@ fn tree_sitter() -> Result<bool> {
     run::watch(command, |_| {})
 }
 
-pub(super) fn emacs() -> Result<Outcome> {
+pub(super) fn emacs() -> Result<TestCounts> {
     tools::ensure(tools::EMACS)?;
     let script = xtask::root().join("tests/editors/emacs/eglot.el");
     editor("emacs", "emacs", &["--batch", "-l", &*script.to_string_lossy()])
 }
 
 /// Runs an editor's script in a copy of the example; it prints `ok …` for each successful check.
-fn editor(name: &str, program: &str, arguments: &[&str]) -> Result<Outcome> {
+fn editor(name: &str, program: &str, arguments: &[&str]) -> Result<TestCounts> {
     let server = extension::build_server(Profile::Dev)?;
     // Outside of this repository, which editors would take for the project.
     let workspace = std::env::temp_dir().join(format!("dotgen-{name}-{}", std::process::id()));
@@ -66,11 +66,11 @@ fn editor(name: &str, program: &str, arguments: &[&str]) -> Result<Outcome> {
     println!("{}", text.trim_end());
     std::fs::remove_dir_all(&workspace)?;
     let passed = text.lines().filter(|line| line.starts_with("ok ")).count();
-    Ok(Outcome { passed, ..Outcome::default() }.ended(output.status.success() && passed > 0))
+    Ok(TestCounts { passed, ..TestCounts::default() }.ended(output.status.success() && passed > 0))
 }
 
 /// The pages of the extension in Chromium, without VS Code.
-pub(super) fn pages() -> Result<Outcome> {
+pub(super) fn pages() -> Result<TestCounts> {
     tools::ensure(tools::CHROMIUM)?;
     let scripts = xtask::root().join("tests/editors/vscode");
     extension::install_packages(&scripts)?;
@@ -83,7 +83,7 @@ pub(super) fn pages() -> Result<Outcome> {
         "webview/run.test.mjs",
     ];
     let arguments = [&["--test", "--test-reporter=tap"], &pages[..]].concat();
-    let mut outcome = Outcome::default();
+    let mut outcome = TestCounts::default();
     let succeeded = run::watch(run::command(&scripts, "node", &arguments), |line| {
         tap(line, &mut outcome);
     })?;
@@ -91,19 +91,19 @@ pub(super) fn pages() -> Result<Outcome> {
 }
 
 /// Reads a line of the summary of Node's tests.
-pub(super) fn tap(line: &str, outcome: &mut Outcome) {
+pub(super) fn tap(line: &str, outcome: &mut TestCounts) {
     let number = |word: &str| line.strip_prefix(word)?.trim().parse::<usize>().ok();
     outcome.passed += number("# pass ").unwrap_or(0);
     outcome.failed += number("# fail ").unwrap_or(0);
 }
 
-pub(super) fn vscode() -> Result<Outcome> {
+pub(super) fn vscode() -> Result<TestCounts> {
     let server = extension::build_server(Profile::Dev)?;
     let vsix = extension::package(&server)?;
     let workbench = Workbench::set_up()?;
     let scenario = workbench.scenario(&vsix, &[])?;
     step("Driving VS Code; screenshots go to target/shots");
-    let mut outcome = Outcome::default();
+    let mut outcome = TestCounts::default();
     let succeeded = run::watch(scenario, |line| {
         if let Some(reason) = line.strip_prefix("skipped: ") {
             outcome.skipped.push(format!("vscode: {reason}"));

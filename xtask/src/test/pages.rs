@@ -4,16 +4,16 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 
-use super::{Outcome, count};
+use super::{TestCounts, count};
 use xtask::extension::{self, Profile};
 use xtask::run::{self, step};
 use xtask::tools;
 
 /// Type checks and unit tests of the extension.
-pub(super) fn extension() -> Result<Outcome> {
+pub(super) fn extension() -> Result<TestCounts> {
     let directory = extension::directory();
     extension::install_packages(&directory)?;
-    let mut outcome = Outcome::one(run::watch(
+    let mut outcome = TestCounts::one(run::watch(
         extension::npm(&directory, &["run", "--silent", "typecheck"]),
         |_| (),
     )?);
@@ -31,7 +31,7 @@ pub(super) fn extension() -> Result<Outcome> {
 }
 
 /// The TextMate grammar against its snapshots.
-pub(super) fn grammar() -> Result<Outcome> {
+pub(super) fn grammar() -> Result<TestCounts> {
     let directory = extension::directory();
     extension::install_packages(&directory)?;
     let snapshots = directory.join("test/grammar/snap");
@@ -49,14 +49,14 @@ pub(super) fn grammar() -> Result<Outcome> {
     let succeeded =
         run::watch(extension::npm(&directory, &["run", "--silent", "test:grammar"]), |_| ())?;
     Ok(if succeeded {
-        Outcome { passed: tests, ..Outcome::default() }
+        TestCounts { passed: tests, ..TestCounts::default() }
     } else {
-        Outcome::one(false)
+        TestCounts::one(false)
     })
 }
 
 /// The server with a client of another author, and the clients in Python and Tcl.
-pub(super) fn client() -> Result<Outcome> {
+pub(super) fn client() -> Result<TestCounts> {
     tools::ensure(tools::PYTHON)?;
     let server = extension::build_server(Profile::Dev)?;
     let python = python()?;
@@ -67,7 +67,7 @@ pub(super) fn client() -> Result<Outcome> {
         .env("DOTGEN", server)
         .env("WORKSPACE", xtask::example())
         .env("PYTHONDONTWRITEBYTECODE", "1");
-    let mut outcome = Outcome::default();
+    let mut outcome = TestCounts::default();
     let succeeded = run::watch(command, |line| {
         // After a minute the time is also in hours: `in 96.14s (0:01:36)`.
         let is_summary = [" passed", " failed", " error"].iter().any(|word| line.contains(word));

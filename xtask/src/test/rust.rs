@@ -4,12 +4,12 @@ use std::collections::BTreeSet;
 
 use anyhow::{Result, bail};
 
-use super::{Outcome, count, skipped};
+use super::{TestCounts, count, skipped};
 use xtask::extension::{self, TEST_FEATURES};
 use xtask::{run, tools};
 
 /// Builds all that [`run`] runs.
-pub(super) fn build() -> Result<Outcome> {
+pub(super) fn build() -> Result<TestCounts> {
     let mut cargo = run::cargo(&["test", "--no-run", "--locked", "--workspace"]);
     cargo.args(TEST_FEATURES).arg("--message-format=json");
     // A crate is compiled with and without its tests, and has most findings twice.
@@ -24,7 +24,7 @@ pub(super) fn build() -> Result<Outcome> {
     if built {
         extension::is_built_with_tests();
     }
-    Ok(Outcome::one(built && found.is_empty()))
+    Ok(TestCounts::one(built && found.is_empty()))
 }
 
 /// The text of a finding, from a line of the messages of cargo.
@@ -36,7 +36,7 @@ fn finding(line: &str) -> Option<String> {
 }
 
 /// Runs the test programs.
-pub(super) fn run() -> Result<Outcome> {
+pub(super) fn run() -> Result<TestCounts> {
     // Without Tcl the tests of templates are skipped.
     tools::ensure(tools::TCL)?;
     let log = skipped::new_log()?;
@@ -49,7 +49,7 @@ pub(super) fn run() -> Result<Outcome> {
         let runner = "target.'cfg(unix)'.runner = ['env', 'RUSTC_BOOTSTRAP=1']";
         cargo.args(["--config", runner, "--", "-Zunstable-options", "--report-time"]);
     }
-    let mut outcome = Outcome::default();
+    let mut outcome = TestCounts::default();
     let (mut times, mut failed) = (Vec::new(), Vec::new());
     let succeeded = run::watch(cargo, |line| {
         if let Some(result) = line.strip_prefix("test result: ") {

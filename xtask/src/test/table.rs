@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result};
 
-use super::{Outcome, Row, skipped};
+use super::{Row, TestCounts, skipped};
 
 /// A suite that takes this many times the recorded time is marked.
 const GROWTH: f64 = 1.2;
@@ -24,14 +24,14 @@ const HEAD: &str = "\
 ";
 
 /// Prints the table and the totals, records the times if asked to, and returns the totals.
-pub(super) fn print(rows: &[Row], whole: Duration, record: bool) -> Result<Outcome> {
+pub(super) fn print(rows: &[Row], whole: Duration, record: bool) -> Result<TestCounts> {
     let known = parse(&std::fs::read_to_string(path()).unwrap_or_default());
     println!();
     println!(
         "{:<10} {:>7} {:>7} {:>7} {:>8} {:>9}",
         "suite", "passed", "failed", "skipped", "time", "recorded"
     );
-    let mut total = Outcome::default();
+    let mut total = TestCounts::default();
     for row in rows {
         let (counts, note) = match &row.outcome {
             Ok(outcome) => {

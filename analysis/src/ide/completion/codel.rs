@@ -3,7 +3,9 @@
 use rustc_hash::FxHashSet;
 use smol_str::SmolStr;
 
-use super::{CodelPlace, CompletionKind, Completions, elements::quantity, names::Names, pattern};
+use super::{
+    CodelPlace, CompletionKind, Completions, elements::quantity, names::VisibleNames, pattern,
+};
 use crate::{
     elab::{DefId, DefKind},
     ide::{
@@ -21,7 +23,7 @@ fn own_words(context: &Context) -> impl Iterator<Item = &Word> {
 
 /// After `codel`.
 pub(super) fn clause(
-    names: &Names<'_, '_>,
+    names: &VisibleNames<'_, '_>,
     context: &Context,
     rest: &[Word],
     out: &mut Completions,
@@ -77,7 +79,7 @@ pub(super) fn clause(
 
 /// The name of a codel, in the pattern of the others; with the rest of its declaration if nothing follows.
 pub(super) fn name(
-    names: &Names<'_, '_>,
+    names: &VisibleNames<'_, '_>,
     context: &Context,
     state: Option<&str>,
     out: &mut Completions,
@@ -106,7 +108,7 @@ fn expects_state(before: &[Word]) -> bool {
 /// The states allowed at the cursor, after `<` or `yield`: after `yield`, the states that have a codel or a
 /// transition to them; after `<`, the states with a transition to them and without a codel.
 fn states(
-    names: &Names<'_, '_>,
+    names: &VisibleNames<'_, '_>,
     context: &Context,
     before: &[Word],
     yields: bool,
@@ -167,7 +169,7 @@ fn states(
 
 /// The most likely state of a new codel of the machine: the target of a transition, otherwise `start` or
 /// `stop`.
-pub(super) fn next_state(names: &Names<'_, '_>, context: &Context) -> Option<String> {
+pub(super) fn next_state(names: &VisibleNames<'_, '_>, context: &Context) -> Option<String> {
     let machine = Machine::around(names, context);
     let free = |text: &&str| !machine.implemented.iter().any(|other| other == *text);
     let missing = machine.missing().next().map(ToString::to_string);
@@ -175,7 +177,11 @@ pub(super) fn next_state(names: &Names<'_, '_>, context: &Context) -> Option<Str
 }
 
 /// A whole codel for each state that still needs one.
-pub(super) fn machine_snippets(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
+pub(super) fn machine_snippets(
+    names: &VisibleNames<'_, '_>,
+    context: &Context,
+    out: &mut Completions,
+) {
     if context.after.next().is_some_and(|word| word.is("<")) {
         return;
     }
@@ -217,7 +223,7 @@ struct Machine {
 }
 
 impl Machine {
-    fn around(names: &Names<'_, '_>, context: &Context) -> Machine {
+    fn around(names: &VisibleNames<'_, '_>, context: &Context) -> Machine {
         let (body, frame) = context.body();
         let owner = context.name_of(frame);
         let mut machine = Machine {
@@ -325,7 +331,7 @@ pub(super) fn has_async(component: &Component) -> bool {
     component.all_codels().any(|codel| component.codel(codel).is_async)
 }
 
-impl Names<'_, '_> {
+impl VisibleNames<'_, '_> {
     /// The definition of a state of the component around the cursor.
     fn state(&self, name: &str) -> Option<DefId> {
         let mut all = self.elaborated.definitions.iter();
@@ -343,7 +349,7 @@ impl Names<'_, '_> {
 
 /// After the parameters of a codel without states.
 pub(super) fn after_simple_codel(
-    names: &Names<'_, '_>,
+    names: &VisibleNames<'_, '_>,
     context: &Context,
     rest: &[Word],
     out: &mut Completions,

@@ -1,12 +1,12 @@
 //! Completion of elements that several statements share: tasks, sizes, quantities.
 
-use super::{CompletionKind, Completions, names::Names};
+use super::{CompletionKind, Completions, names::VisibleNames};
 use crate::{
     elab::Entity,
     ide::{SymbolKind, context::Word},
 };
 
-pub(super) fn tasks(names: &Names<'_, '_>, out: &mut Completions) {
+pub(super) fn tasks(names: &VisibleNames<'_, '_>, out: &mut Completions) {
     let Some(component) = names.component() else {
         return;
     };
@@ -25,13 +25,13 @@ pub(super) fn tasks(names: &Names<'_, '_>, out: &mut Completions) {
 }
 
 /// Constants that are valid sizes.
-pub(super) fn sizes(names: &Names<'_, '_>, out: &mut Completions) {
+pub(super) fn sizes(names: &VisibleNames<'_, '_>, out: &mut Completions) {
     names.numbers(&[], true, out);
 }
 
 /// A number, then its unit.
 pub(super) fn quantity(
-    names: &Names<'_, '_>,
+    names: &VisibleNames<'_, '_>,
     rest: &[Word],
     units: &[&str],
     out: &mut Completions,

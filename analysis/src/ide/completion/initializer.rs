@@ -2,7 +2,7 @@
 
 use smol_str::SmolStr;
 
-use super::{CompletionKind, Completions, names::Names};
+use super::{CompletionKind, Completions, names::VisibleNames};
 use crate::{
     ide::{
         SymbolKind,
@@ -13,7 +13,7 @@ use crate::{
 };
 
 /// Between the braces of a compound.
-pub(super) fn complete(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
+pub(super) fn complete(names: &VisibleNames<'_, '_>, context: &Context, out: &mut Completions) {
     let ty = compound_type(names, context, context.frames.len() - 1);
     let words = context.current();
     match words {
@@ -56,7 +56,7 @@ pub(super) fn complete(names: &Names<'_, '_>, context: &Context, out: &mut Compl
 
 /// A value of a type.
 pub(super) fn value(
-    names: &Names<'_, '_>,
+    names: &VisibleNames<'_, '_>,
     before: &[Word],
     expected: Option<TypeId>,
     out: &mut Completions,
@@ -78,7 +78,7 @@ pub(super) fn value(
 }
 
 /// A placeholder with a valid value.
-fn value_snippet(names: &Names<'_, '_>, ty: TypeId, place: usize) -> String {
+fn value_snippet(names: &VisibleNames<'_, '_>, ty: TypeId, place: usize) -> String {
     let spec = names.spec();
     let value = match &spec.ty(names.value_type(ty)).kind {
         TypeKind::Boolean => "FALSE".to_owned(),
@@ -101,7 +101,7 @@ fn value_snippet(names: &Names<'_, '_>, ty: TypeId, place: usize) -> String {
 
 /// The type that the braces of a frame initialize.
 pub(in crate::ide) fn compound_type(
-    names: &Names<'_, '_>,
+    names: &VisibleNames<'_, '_>,
     context: &Context,
     frame: usize,
 ) -> Option<TypeId> {
@@ -120,7 +120,7 @@ pub(in crate::ide) fn compound_type(
 
 /// The type of one element of a compound: the type of its designator, or by position.
 pub(in crate::ide) fn element_type(
-    names: &Names<'_, '_>,
+    names: &VisibleNames<'_, '_>,
     compound: TypeId,
     words: &[Word],
     commas: usize,

@@ -5,7 +5,7 @@
 
 use super::{
     Completions, codel,
-    names::{NameCategory, Names},
+    names::{NameCategory, VisibleNames},
     pattern,
 };
 use crate::{
@@ -144,7 +144,7 @@ const ONCE: &[&str] = &[
 ];
 
 pub(super) fn statements(
-    names: &Names<'_, '_>,
+    names: &VisibleNames<'_, '_>,
     context: &Context,
     body: BodyKind,
     out: &mut Completions,
@@ -203,7 +203,7 @@ pub(super) fn statements(
 
 /// A clause with an existing name for each `@word`; `None` if a name is missing.
 fn fill_clause(
-    names: &Names<'_, '_>,
+    names: &VisibleNames<'_, '_>,
     context: &Context,
     body: BodyKind,
     word: &str,
@@ -229,7 +229,7 @@ fn fill_clause(
 }
 
 fn clause_value(
-    names: &Names<'_, '_>,
+    names: &VisibleNames<'_, '_>,
     context: &Context,
     body: BodyKind,
     wanted: &str,
@@ -289,7 +289,7 @@ fn clause_value(
 }
 
 /// A value of the switch type of the union around the cursor.
-fn case(names: &Names<'_, '_>, context: &Context) -> String {
+fn case(names: &VisibleNames<'_, '_>, context: &Context) -> String {
     let zero = || "0".to_owned();
     let Some(ty) = names.switch_type(context) else {
         return zero();
@@ -308,7 +308,7 @@ fn case(names: &Names<'_, '_>, context: &Context) -> String {
 }
 
 /// The greatest common divisor of all periods and delays of the component, at most one millisecond.
-fn clock(names: &Names<'_, '_>) -> Option<(i128, i128)> {
+fn clock(names: &VisibleNames<'_, '_>) -> Option<(i128, i128)> {
     let tasks = &names.component()?.tasks;
     let times = tasks.iter().flat_map(|task| task.period.iter().chain(&task.delay));
     let times: Vec<_> = times.map(|time| time.value).collect();

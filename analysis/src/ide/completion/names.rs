@@ -1,4 +1,4 @@
-//! Names in scope: types, constants, the parts of the component around the cursor.
+//! VisibleNames in scope: types, constants, the parts of the component around the cursor.
 
 mod interfaces;
 mod values;
@@ -23,7 +23,7 @@ use crate::{
 };
 
 /// The names visible at the cursor.
-pub(in crate::ide) struct Names<'a, 'db> {
+pub(in crate::ide) struct VisibleNames<'a, 'db> {
     pub(in crate::ide) view: &'a FileView<'db>,
     pub(in crate::ide) elaborated: &'a Elaborated,
     /// The scope at the cursor, outermost first.
@@ -54,12 +54,12 @@ pub(super) enum NameCategory {
     Exceptions,
 }
 
-impl<'a, 'db> Names<'a, 'db> {
+impl<'a, 'db> VisibleNames<'a, 'db> {
     pub(in crate::ide) fn new(
         view: &'a FileView<'db>,
         context: &Context,
         at: usize,
-    ) -> Names<'a, 'db> {
+    ) -> VisibleNames<'a, 'db> {
         let elaborated = view.elaborated();
         let mut scope: Vec<SmolStr> = Vec::new();
         let mut component = None;
@@ -104,7 +104,7 @@ impl<'a, 'db> Names<'a, 'db> {
                 paths.entry(full_path(elaborated, definition)).or_insert(definition.id);
             }
         }
-        Names {
+        VisibleNames {
             view,
             elaborated,
             scope,
@@ -285,7 +285,7 @@ impl<'a, 'db> Names<'a, 'db> {
         }
     }
 
-    /// Names of scopes, after a qualifier in the last words of `before`.
+    /// VisibleNames of scopes, after a qualifier in the last words of `before`.
     pub(super) fn scoped(
         &self,
         before: &[Word],
@@ -492,7 +492,7 @@ fn has_values(kind: &TypeKind, switch: bool) -> bool {
     }
 }
 
-/// See [`Names::begins`].
+/// See [`VisibleNames::begins`].
 fn begins(context: &Context, at: usize) -> usize {
     let outermost = context.frames.iter().find(|frame| {
         !matches!(

@@ -5,7 +5,7 @@ use smol_str::SmolStr;
 
 use super::{
     CompletionKind, Completions, initializer,
-    names::{NameCategory, Names},
+    names::{NameCategory, VisibleNames},
     parameter_list::{DIRECTIONS, List, SOURCES, list_kind, parameter_type, service_around, walk},
     sharing::Shared,
     statement::type_or_nothing,
@@ -21,7 +21,11 @@ use crate::{
 };
 
 /// Between parentheses: of a codel, of a service, of a `switch`, of an expression.
-pub(super) fn in_parentheses(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
+pub(super) fn in_parentheses(
+    names: &VisibleNames<'_, '_>,
+    context: &Context,
+    out: &mut Completions,
+) {
     let frame = context.top();
     let words = context.current();
     match list_kind(context, context.frames.len() - 1) {
@@ -85,7 +89,7 @@ struct Source {
     ambiguous: bool,
 }
 
-fn sources(names: &Names<'_, '_>, context: &Context, simple: bool) -> Vec<Source> {
+fn sources(names: &VisibleNames<'_, '_>, context: &Context, simple: bool) -> Vec<Source> {
     let mut out = Vec::new();
     let Some(component) = names.component() else {
         return out;
@@ -146,7 +150,7 @@ fn sources(names: &Names<'_, '_>, context: &Context, simple: bool) -> Vec<Source
 }
 
 /// Adds the parameters and local variables of the service at the cursor.
-fn locals(names: &Names<'_, '_>, context: &Context, out: &mut Vec<Source>) {
+fn locals(names: &VisibleNames<'_, '_>, context: &Context, out: &mut Vec<Source>) {
     if let Some((index, service)) = service_around(names, context) {
         for (i, param) in service.params.iter().enumerate() {
             out.push(Source {
@@ -180,7 +184,7 @@ struct Choices<'w> {
 impl<'w> Choices<'w> {
     /// The sources that are not used yet and that the other codels of the component allow.
     fn around(
-        names: &Names<'_, '_>,
+        names: &VisibleNames<'_, '_>,
         context: &Context,
         words: &'w [Word],
         simple: bool,
@@ -224,7 +228,12 @@ impl<'w> Choices<'w> {
     }
 
     /// Completion before the direction: sources with a direction, and the keywords of both.
-    fn before_direction(&self, names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
+    fn before_direction(
+        &self,
+        names: &VisibleNames<'_, '_>,
+        context: &Context,
+        out: &mut Completions,
+    ) {
         if complete_before_parameter(context) {
             out.keywords(DIRECTIONS, 0);
             return;
@@ -265,7 +274,7 @@ impl<'w> Choices<'w> {
     }
 
     /// Completion after a direction: sources, those that allow the direction first.
-    fn after_direction(&self, names: &Names<'_, '_>, dir: &Word, out: &mut Completions) {
+    fn after_direction(&self, names: &VisibleNames<'_, '_>, dir: &Word, out: &mut Completions) {
         for node in self.matching() {
             let fits = node.directions.contains(&dir.text.as_str());
             let rank = u8::from(!fits) * 2;
@@ -281,7 +290,7 @@ impl<'w> Choices<'w> {
 }
 
 fn codel_param(
-    names: &Names<'_, '_>,
+    names: &VisibleNames<'_, '_>,
     context: &Context,
     words: &[Word],
     simple: bool,
@@ -322,21 +331,27 @@ fn push_ids(label: String, rank: u8, out: &mut Completions) {
 }
 
 /// The same codel at another place of the component.
-fn other_use_of_codel<'a>(names: &Names<'a, '_>, context: &Context) -> Option<&'a Codel> {
+fn other_use_of_codel<'a>(names: &VisibleNames<'a, '_>, context: &Context) -> Option<&'a Codel> {
     let name = context.head(context.top()).last()?;
     let component = names.component()?;
     let mut all = component.all_codels().map(|codel| component.codel(codel));
     all.find(|codel| codel.name == name.text && !names.is_at(codel.src, name.range.start))
 }
 
-fn push(names: &Names<'_, '_>, source: &Source, label: String, rank: u8, out: &mut Completions) {
+fn push(
+    names: &VisibleNames<'_, '_>,
+    source: &Source,
+    label: String,
+    rank: u8,
+    out: &mut Completions,
+) {
     let item = out.add(label, CompletionKind::Symbol(source.kind), rank);
     item.detail = Some(render::type_text(names.spec(), source.ty));
     item.definition = source.definition;
 }
 
 fn attribute_param(
-    names: &Names<'_, '_>,
+    names: &VisibleNames<'_, '_>,
     context: &Context,
     words: &[Word],
     out: &mut Completions,
@@ -394,7 +409,12 @@ fn attribute_param(
     }
 }
 
-fn service_param(names: &Names<'_, '_>, context: &Context, words: &[Word], out: &mut Completions) {
+fn service_param(
+    names: &VisibleNames<'_, '_>,
+    context: &Context,
+    words: &[Word],
+    out: &mut Completions,
+) {
     // Its documentation.
     if words.iter().any(|word| word.is(":")) {
         return;
@@ -429,7 +449,7 @@ fn service_param(names: &Names<'_, '_>, context: &Context, words: &[Word], out: 
     }
 }
 
-fn members(names: &Names<'_, '_>, ty: Option<TypeId>, out: &mut Completions) {
+fn members(names: &VisibleNames<'_, '_>, ty: Option<TypeId>, out: &mut Completions) {
     for (name, member) in ty.map(|ty| names.members(ty)).unwrap_or_default() {
         let item = out.add(name.as_str(), CompletionKind::Symbol(SymbolKind::Member), 0);
         item.detail = Some(render::type_text(names.spec(), member));
@@ -437,8 +457,8 @@ fn members(names: &Names<'_, '_>, ty: Option<TypeId>, out: &mut Completions) {
     }
 }
 
-/// Names of the other parameters of the list at the cursor.
-fn used_names(names: &Names<'_, '_>, context: &Context) -> Vec<SmolStr> {
+/// VisibleNames of the other parameters of the list at the cursor.
+fn used_names(names: &VisibleNames<'_, '_>, context: &Context) -> Vec<SmolStr> {
     let frame = context.top();
     let before = &context.tokens[frame.open + 1..frame.start];
     // A parameter right after the cursor, with a missing comma.
@@ -458,7 +478,7 @@ fn used_names(names: &Names<'_, '_>, context: &Context) -> Vec<SmolStr> {
 
 /// Ids members that the codels of an attribute use without a source: a parameter of that name would change
 /// their meaning.
-fn members_of_codels(names: &Names<'_, '_>, context: &Context) -> Vec<SmolStr> {
+fn members_of_codels(names: &VisibleNames<'_, '_>, context: &Context) -> Vec<SmolStr> {
     let (Some(component), [.., name]) = (names.component(), context.head(context.top())) else {
         return Vec::new();
     };

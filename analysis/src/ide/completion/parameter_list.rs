@@ -1,6 +1,6 @@
 //! Lists of parameters: their kinds, and the types in them.
 
-use super::names::{Names, qualifier};
+use super::names::{VisibleNames, qualifier};
 use crate::{
     ide::context::{BodyKind, Context, FrameKind, Word},
     model::{Service, ServiceId, TypeId},
@@ -46,7 +46,7 @@ pub(in crate::ide) fn list_kind(context: &Context, frame: usize) -> Option<List>
 
 /// The service around the cursor, as far as it is known.
 pub(in crate::ide) fn service_around<'a>(
-    names: &Names<'a, '_>,
+    names: &VisibleNames<'a, '_>,
     context: &Context,
 ) -> Option<(ServiceId, &'a Service)> {
     let (body, frame) = context.body();
@@ -58,7 +58,7 @@ pub(in crate::ide) fn service_around<'a>(
     all.find(|(_, service)| service.name == name)
 }
 
-pub(super) fn walk(names: &Names<'_, '_>, mut ty: TypeId, steps: &[Word]) -> Option<TypeId> {
+pub(super) fn walk(names: &VisibleNames<'_, '_>, mut ty: TypeId, steps: &[Word]) -> Option<TypeId> {
     let mut steps = steps.iter();
     while let Some(step) = steps.next() {
         match step.text.as_str() {
@@ -75,7 +75,7 @@ pub(super) fn walk(names: &Names<'_, '_>, mut ty: TypeId, steps: &[Word]) -> Opt
 
 /// The type of a parameter with these first words, in the parameter list of a service.
 pub(in crate::ide) fn parameter_type(
-    names: &Names<'_, '_>,
+    names: &VisibleNames<'_, '_>,
     context: &Context,
     frame: usize,
     words: &[Word],
@@ -102,7 +102,7 @@ pub(in crate::ide) fn parameter_type(
     }
 }
 
-impl Names<'_, '_> {
+impl VisibleNames<'_, '_> {
     /// The switch type of the union around the cursor.
     pub(super) fn switch_type(&self, context: &Context) -> Option<TypeId> {
         let head = context.head(context.top());

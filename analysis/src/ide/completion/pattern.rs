@@ -1,8 +1,8 @@
-//! Names of codels in the pattern of the component's other codels.
+//! VisibleNames of codels in the pattern of the component's other codels.
 
 use rustc_hash::FxHashMap;
 
-use super::names::Names;
+use super::names::VisibleNames;
 use crate::{
     ide::context::{BodyKind, Context},
     model::{CodelKind, Component},
@@ -14,7 +14,11 @@ type Pattern = String;
 
 /// A name for a codel of the task or service around the cursor, with a state if it belongs to a machine;
 /// unused in the component.
-pub(super) fn codel_name(names: &Names<'_, '_>, context: &Context, state: Option<&str>) -> String {
+pub(super) fn codel_name(
+    names: &VisibleNames<'_, '_>,
+    context: &Context,
+    state: Option<&str>,
+) -> String {
     let (_, frame) = context.body();
     let owner = context.name_of(frame).unwrap_or_default();
     let fallback = match (owner.is_empty(), state) {
@@ -40,7 +44,7 @@ pub(super) fn codel_name(names: &Names<'_, '_>, context: &Context, state: Option
 
 /// The pattern of most codels of the component.
 fn most_common_pattern(
-    names: &Names<'_, '_>,
+    names: &VisibleNames<'_, '_>,
     component: &Component,
     machine: bool,
     body: BodyKind,

@@ -2,7 +2,7 @@
 
 use smol_str::SmolStr;
 
-use super::{codel::has_async, names::Names};
+use super::{codel::has_async, names::VisibleNames};
 use crate::{
     ide::context::Context,
     model::{Param, ParamSource, PathElement, ServiceKind},
@@ -18,7 +18,7 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    pub(super) fn around(names: &Names<'_, '_>, context: &Context) -> Shared {
+    pub(super) fn around(names: &VisibleNames<'_, '_>, context: &Context) -> Shared {
         let mut out = Shared { names: Vec::new(), any: false };
         let Some(component) = names.component() else {
             return out;

@@ -5,7 +5,7 @@ use super::{
     codel::{self, after_simple_codel},
     elements::{quantity, sizes, tasks},
     keywords,
-    names::{NameCategory, Names},
+    names::{NameCategory, VisibleNames},
 };
 use crate::{
     elab::Entity,
@@ -16,7 +16,7 @@ use crate::{
 };
 
 pub(super) fn complete(
-    names: &Names<'_, '_>,
+    names: &VisibleNames<'_, '_>,
     context: &Context,
     body: BodyKind,
     out: &mut Completions,
@@ -90,7 +90,12 @@ pub(super) fn complete(
 }
 
 /// Completion at the beginning of a statement.
-fn beginning(names: &Names<'_, '_>, context: &Context, body: BodyKind, out: &mut Completions) {
+fn beginning(
+    names: &VisibleNames<'_, '_>,
+    context: &Context,
+    body: BodyKind,
+    out: &mut Completions,
+) {
     // Between `}` and its `;`.
     if context.after.ends {
         return;
@@ -115,7 +120,12 @@ fn beginning(names: &Names<'_, '_>, context: &Context, body: BodyKind, out: &mut
 }
 
 /// Exceptions that the list at the cursor does not name yet.
-fn exceptions(names: &Names<'_, '_>, context: &Context, rest: &[Word], out: &mut Completions) {
+fn exceptions(
+    names: &VisibleNames<'_, '_>,
+    context: &Context,
+    rest: &[Word],
+    out: &mut Completions,
+) {
     names.scoped(rest, NameCategory::Exceptions, 0, out);
     let same = |words: &[Word], label: &str| {
         words.iter().map(|word| word.text.as_str()).collect::<String>() == label
@@ -170,7 +180,7 @@ fn in_list(context: &Context, out: &mut Completions) {
 
 /// A type, unless there already is one and a name comes next.
 pub(super) fn type_or_nothing(
-    names: &Names<'_, '_>,
+    names: &VisibleNames<'_, '_>,
     context: &Context,
     words: &[Word],
     wanted: NameCategory,
@@ -227,7 +237,12 @@ pub(super) fn type_or_nothing(
     }
 }
 
-fn type_at(names: &Names<'_, '_>, words: &[Word], wanted: NameCategory, out: &mut Completions) {
+fn type_at(
+    names: &VisibleNames<'_, '_>,
+    words: &[Word],
+    wanted: NameCategory,
+    out: &mut Completions,
+) {
     let Some(last) = words.last() else {
         names.types(words, wanted, 0, out);
         return;
@@ -266,7 +281,7 @@ fn in_angles(words: &[Word]) -> bool {
     depth > 0
 }
 
-fn port(names: &Names<'_, '_>, context: &Context, rest: &[Word], out: &mut Completions) {
+fn port(names: &VisibleNames<'_, '_>, context: &Context, rest: &[Word], out: &mut Completions) {
     let dir = rest.iter().position(|word| word.is_any(&["in", "out"]));
     if let Some(dir) = dir {
         type_or_nothing(names, context, &rest[dir + 1..], NameCategory::PortTypes, out);
@@ -282,7 +297,7 @@ fn port(names: &Names<'_, '_>, context: &Context, rest: &[Word], out: &mut Compl
     }
 }
 
-fn services(names: &Names<'_, '_>, used: &[Word], context: &Context, out: &mut Completions) {
+fn services(names: &VisibleNames<'_, '_>, used: &[Word], context: &Context, out: &mut Completions) {
     let component = names.component();
     let behind: Vec<Word> = context.elements_behind().flatten().cloned().collect();
     let used = [used, &behind].concat();

@@ -22,7 +22,7 @@ const MAX_SUGGESTIONS: usize = 3;
 
 /// The events that the definitions of one codel return, as far as they are known.
 #[derive(Default)]
-struct Outcome {
+struct Returns {
     returned: FxHashSet<SmolStr>,
     mentioned: FxHashSet<SmolStr>,
     unknown: bool,
@@ -32,7 +32,7 @@ struct Outcome {
 }
 
 pub(super) fn check(check: &Check<'_>, definitions: &[FunctionIn<'_>], out: &mut Vec<Drift>) {
-    let mut outcome = Outcome::default();
+    let mut outcome = Returns::default();
     for found in definitions {
         let Some(body) = &found.function.body else {
             continue;
@@ -57,7 +57,7 @@ impl Flow<'_> {
         self.check.expected
     }
 
-    fn returns(&self, outcome: &mut Outcome, out: &mut Vec<Drift>) {
+    fn returns(&self, outcome: &mut Returns, out: &mut Vec<Drift>) {
         let mut reported: FxHashSet<SmolStr> = FxHashSet::default();
         for value in self.body.returns.iter().flat_map(|result| &result.values) {
             outcome.any = true;
@@ -96,11 +96,11 @@ impl Flow<'_> {
         &self,
         call: &Call,
         variable: bool,
-        outcome: &mut Outcome,
+        outcome: &mut Returns,
         reported: &mut FxHashSet<SmolStr>,
         out: &mut Vec<Drift>,
     ) {
-        let mut inner = Outcome::default();
+        let mut inner = Returns::default();
         self.helper(&call.name, MAX_HELPER_DEPTH, &mut inner);
         let mut events: Vec<&SmolStr> = inner.returned.iter().collect();
         events.sort();
@@ -127,7 +127,7 @@ impl Flow<'_> {
     }
 
     /// Adds the return values of a function of the sources.
-    fn helper(&self, name: &str, depth: usize, outcome: &mut Outcome) {
+    fn helper(&self, name: &str, depth: usize, outcome: &mut Returns) {
         let all: Vec<&Body> = self
             .check
             .sources
@@ -503,7 +503,7 @@ fn yields(expected: &Expected<'_>, at: CodelRef) -> Vec<String> {
 fn never_yielded(
     check: &Check<'_>,
     definitions: &[FunctionIn<'_>],
-    outcome: &Outcome,
+    outcome: &Returns,
     out: &mut Vec<Drift>,
 ) {
     let component = check.expected.component();

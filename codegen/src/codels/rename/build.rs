@@ -2,7 +2,7 @@
 
 use smol_str::SmolStr;
 
-use super::{Renaming, UnchangedPlace, UnchangedReason, names::Names};
+use super::{Renaming, UnchangedPlace, UnchangedReason, names::NewNames};
 use crate::codels::{expected::Expected, files::Files, folder::Folder, source::Span};
 
 /// Build files that may name headers and components, relative to the folder of the specification.
@@ -19,7 +19,7 @@ const BUILD_FILES: [&str; 5] = [
 pub(super) fn rename(
     folder: &Folder,
     before: &Expected<'_>,
-    names: &Names,
+    names: &NewNames,
     texts: &dyn Files,
     out: &mut Renaming,
 ) {

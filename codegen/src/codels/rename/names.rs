@@ -19,11 +19,11 @@ pub(super) type ScopedName = (Vec<SmolStr>, SmolStr);
 
 /// New names, by old ones.
 #[derive(Debug, Default)]
-pub(super) struct Names {
+pub(super) struct NewNames {
     /// Types, events, exceptions, enumerators, constants, functions, macros.
     pub(super) globals: FxHashMap<ScopedName, SmolStr>,
     /// Codels whose names are those of events too, which is possible in C, with their new names.
-    /// [`Names::globals`] has the events.
+    /// [`NewNames::globals`] has the events.
     pub(super) clashing: FxHashMap<SmolStr, Option<SmolStr>>,
     /// Members, by structure and name.
     pub(super) members: FxHashMap<(SmolStr, SmolStr), SmolStr>,
@@ -71,9 +71,12 @@ fn mapping(expected: &Expected<'_>) -> Result<String, LangError> {
     Ok(out)
 }
 
-impl Names {
+impl NewNames {
     /// The names of a component before and after.
-    pub(super) fn new(before: &Expected<'_>, after: &Expected<'_>) -> Result<Names, MissingNames> {
+    pub(super) fn new(
+        before: &Expected<'_>,
+        after: &Expected<'_>,
+    ) -> Result<NewNames, MissingNames> {
         let text =
             |expected| mapping(expected).map_err(|error| MissingNames::Mapping(error.message));
         let (old, new) = (text(before)?, text(after)?);
@@ -81,7 +84,7 @@ impl Names {
         let functions = before.functions.iter().map(|function| SmolStr::from(&*function.name));
         let clashing = functions.filter(|name| before.events.contains_key(name));
         let clashing = clashing.map(|name| (name, None)).collect();
-        let mut out = Names { grammar: Some(grammar), clashing, ..Names::default() };
+        let mut out = NewNames { grammar: Some(grammar), clashing, ..NewNames::default() };
         let (words, new_words) = (words(&old), words(&new));
         if words.len() != new_words.len() {
             return Err(MissingNames::Structure);

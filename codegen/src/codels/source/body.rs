@@ -39,7 +39,7 @@ pub(super) fn read(block: Node<'_>, parameters: &[Parameter], text: &str) -> Bod
     }
     let mut returns = Vec::new();
     preorder(block, |node| reader.node(node, &mut returns));
-    let names = names::Names::of(block, parameters, text);
+    let names = names::BlockNames::of(block, parameters, text);
     reader.body.escaping.clone_from(&names.escaping);
     reader.body.free = names.free(parameters);
     reader.body.constant_writes = names.constant_writes(parameters);

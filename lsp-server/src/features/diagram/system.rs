@@ -15,12 +15,12 @@ use crate::workspace::snapshot::Snapshot;
 pub(super) struct WorkspaceSystem {
     pub(super) units: Vec<UnitResult>,
     pub(super) connections: Vec<Connection>,
-    names: Names,
+    names: ComponentNames,
 }
 
 /// The names of components in the system, by folder and declared name.
 #[derive(Default)]
-struct Names {
+struct ComponentNames {
     folders: Arc<Vec<Utf8PathBuf>>,
     renamed: BTreeMap<(usize, SmolStr), SmolStr>,
 }
@@ -29,7 +29,7 @@ impl WorkspaceSystem {
     /// The system that a file belongs to.
     pub(super) fn new(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<WorkspaceSystem> {
         let mut units = snapshot.workspace_units(path)?;
-        let names = Names::new(snapshot, &units);
+        let names = ComponentNames::new(snapshot, &units);
         for unit in &mut units {
             names.rename(unit);
         }
@@ -50,9 +50,10 @@ impl WorkspaceSystem {
     }
 }
 
-impl Names {
-    fn new(snapshot: &Snapshot, units: &[UnitResult]) -> Names {
-        let mut names = Names { folders: snapshot.folders.clone(), ..Names::default() };
+impl ComponentNames {
+    fn new(snapshot: &Snapshot, units: &[UnitResult]) -> ComponentNames {
+        let mut names =
+            ComponentNames { folders: snapshot.folders.clone(), ..ComponentNames::default() };
         let mut declared: BTreeMap<SmolStr, Vec<usize>> = BTreeMap::new();
         for unit in units {
             for component in &unit.spec.components {

@@ -292,7 +292,7 @@ pub(crate) fn present(
     if report.answered() < report.checks.len() && !prepared.earlier {
         out["howFar"] = json!(report.how_far());
     }
-    out["advice"] = json!(advice::of_report(report, problem, advice::Names::Settings));
+    out["advice"] = json!(advice::of_report(report, problem, advice::LimitNames::Settings));
     out["minimumCores"] = json!(answer.cores.as_ref().and_then(|core| core.cores));
     let repairs = answer.repairs.all.iter();
     out["repairs"] = repairs.map(|repair| repair.words.clone()).collect();

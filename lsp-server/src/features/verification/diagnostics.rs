@@ -22,7 +22,7 @@ use crate::protocol::types::Uri;
 use crate::workspace::snapshot::Snapshot;
 use dotgen_timing::report::Verdict;
 use dotgen_views::verification::Problem;
-use dotgen_views::verification::advice::{self, Names};
+use dotgen_views::verification::advice::{self, LimitNames};
 use dotgen_views::verification::problem;
 use dotgen_views::verification::results::{Answer, Entry};
 use dotgen_views::verification::view::CheckView;
@@ -226,7 +226,7 @@ fn fact(answer: &Answer, view: &CheckView) -> Option<(&'static str, String)> {
         }
         (Verdict::Unknown, kind) => (GAVE_UP, {
             let reason = check.gave_up.map(|gave_up| gave_up.reason);
-            let advice = advice::of(reason, &answer.problem, Names::Settings);
+            let advice = advice::of(reason, &answer.problem, LimitNames::Settings);
             let advice = advice.map_or(String::new(), |advice| format!("; {advice}"));
             let why = match (&check.gave_up, &check.note) {
                 (Some(gave_up), _) => format!(" {}", advice::within(gave_up)),

@@ -331,7 +331,7 @@ fn details(entry: &Entry, task: DeclaredTask) -> Vec<String> {
         }
         let given_up = view.of_task(task).filter_map(|task| task.1.report.gave_up);
         let stops: Vec<Stop> = given_up.map(|task| task.reason).collect();
-        if let Some(advice) = advice::of(stops, &answer.problem, advice::Names::Settings) {
+        if let Some(advice) = advice::of(stops, &answer.problem, advice::LimitNames::Settings) {
             out.push(format!("To settle it, {advice}."));
         }
     }

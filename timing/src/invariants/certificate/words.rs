@@ -1,4 +1,4 @@
-//! Names and words of certificates.
+//! PartNames and words of certificates.
 
 use std::collections::HashMap;
 
@@ -8,7 +8,7 @@ use crate::invariants::parts::{Local, Part, PartKind, Parts};
 use crate::property::{Atom, SlotStatus, StatePhase, TaskState};
 use crate::system::{CodelId, TimedSystem, Yield};
 
-/// Names of which each is given once.
+/// PartNames of which each is given once.
 #[derive(Default)]
 pub(super) struct Unique {
     used: HashMap<String, usize>,
@@ -30,16 +30,16 @@ impl Unique {
 }
 
 /// The names of parts and codels.
-pub(super) struct Names {
+pub(super) struct PartNames {
     pub(super) parts: Vec<String>,
     codels: TiVec<CodelId, String>,
 }
 
-impl Names {
-    pub(super) fn of(parts: &Parts) -> Names {
+impl PartNames {
+    pub(super) fn of(parts: &Parts) -> PartNames {
         let (mut of_parts, mut of_codels) = (Unique::default(), Unique::default());
         let codels = parts.system.codels.iter();
-        Names {
+        PartNames {
             parts: (parts.parts.iter())
                 .map(|part| of_parts.name(self::part(parts.system, part.kind)))
                 .collect(),
@@ -112,7 +112,7 @@ fn phase(executes: bool) -> &'static str {
 }
 
 /// Returns the event that a step of a part stands for.
-pub(super) fn step(parts: &Parts, names: &Names, part: &str, step: (&Local, &Local)) -> String {
+pub(super) fn step(parts: &Parts, names: &PartNames, part: &str, step: (&Local, &Local)) -> String {
     let waiting = |codel: CodelId| format!("{part} asks for the locks of {}", names.codel(codel));
     let ends = |codel: CodelId, next: &str| format!("codel {} ends{next}", names.codel(codel));
     match step {
@@ -157,7 +157,7 @@ pub(super) fn step(parts: &Parts, names: &Names, part: &str, step: (&Local, &Loc
 }
 
 /// Returns an atom as scenarios write it.
-pub(super) fn atom(system: &TimedSystem, names: &Names, atom: &Atom) -> String {
+pub(super) fn atom(system: &TimedSystem, names: &PartNames, atom: &Atom) -> String {
     let phase = |phase: StatePhase| match phase {
         StatePhase::Lock => ".lock",
         StatePhase::Exec => ".exec",

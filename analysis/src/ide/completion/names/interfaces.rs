@@ -2,14 +2,14 @@
 
 use smol_str::SmolStr;
 
-use super::Names;
+use super::VisibleNames;
 use crate::{
     elab::DefKind,
     ide::{completion::Completions, context::Word},
     model::{Component, ComponentId},
 };
 
-impl Names<'_, '_> {
+impl VisibleNames<'_, '_> {
     /// Returns true if no name from an interface clashes with a name of the component. False if the interface
     /// is not known.
     fn has_room_for(&self, interface: &str) -> bool {

@@ -2,7 +2,7 @@
 
 use smol_str::SmolStr;
 
-use super::{NameCategory, Names};
+use super::{NameCategory, VisibleNames};
 use crate::{
     elab::{DefKind, convert::holds, types::resolve_aliases},
     ide::{
@@ -15,7 +15,7 @@ use crate::{
 /// The rank of items that are not proposed.
 const NOT_PROPOSED: u8 = u8::MAX;
 
-impl Names<'_, '_> {
+impl VisibleNames<'_, '_> {
     /// Everything that may be in an expression; values of the `expected` type first.
     pub(in crate::ide::completion) fn constants(
         &self,
@@ -76,7 +76,7 @@ impl Names<'_, '_> {
         let spec = self.spec();
         let fits = |item: &CompletionItem| {
             let definition = self.elaborated.definition(item.definition?);
-            // Names that are only the beginning of a path.
+            // VisibleNames that are only the beginning of a path.
             let Some(TypeKind::Const { value, .. }) = definition.ty.map(|ty| &spec.ty(ty).kind)
             else {
                 return Some(!matches!(definition.kind, DefKind::Enumerator));

@@ -1,4 +1,4 @@
-//! Names that a function uses and does not declare, and writes to its constant parameters.
+//! BlockNames that a function uses and does not declare, and writes to its constant parameters.
 
 use rustc_hash::FxHashSet;
 use smol_str::SmolStr;
@@ -12,11 +12,11 @@ use crate::codels::source::{
 
 /// The names that a block declares, uses and writes.
 #[derive(Default)]
-pub(super) struct Names {
+pub(super) struct BlockNames {
     declared: FxHashSet<SmolStr>,
     /// Values, in text order.
     used: Vec<(SmolStr, Span)>,
-    /// Names that a macro may declare.
+    /// BlockNames that a macro may declare.
     in_macros: FxHashSet<SmolStr>,
     /// Left sides with one dereference: the pointer, and the whole left side.
     written: Vec<(SmolStr, Span)>,
@@ -34,9 +34,9 @@ struct NodeContext {
     declares: bool,
 }
 
-impl Names {
-    pub(super) fn of(block: Node<'_>, parameters: &[Parameter], text: &str) -> Names {
-        let mut out = Names::default();
+impl BlockNames {
+    pub(super) fn of(block: Node<'_>, parameters: &[Parameter], text: &str) -> BlockNames {
+        let mut out = BlockNames::default();
         let mut cursor = block.walk();
         let mut around = vec![NodeContext::default()];
         loop {
@@ -126,7 +126,7 @@ impl Names {
         }
     }
 
-    /// Names that are not declared in the function, each at its first use.
+    /// BlockNames that are not declared in the function, each at its first use.
     pub(super) fn free(&self, parameters: &[Parameter]) -> Vec<(SmolStr, Span)> {
         let parameters = parameters.iter().filter_map(|parameter| parameter.name.as_ref());
         let mut known: FxHashSet<&SmolStr> = parameters.collect();
