@@ -29,8 +29,6 @@ use xtask::{extension, target, tools};
 const SLACK: f64 = 0.1;
 /// Part of a memory budget by which a measurement may differ.
 const MEMORY_TOLERANCE: f64 = 0.25;
-/// Twice the input, so many times the instructions at most.
-const DOUBLE: f64 = 2.2;
 /// The smallest size, and how many times that the others are.
 const SIZE: usize = 8;
 const SIZE_FACTORS: [usize; 3] = [1, 2, 4];
@@ -195,9 +193,11 @@ fn differences(
         let [small, middle, large] = figures.instructions;
         let fixed = (2.0 * small - middle).max(0.0);
         let growth = (large - fixed) / (middle - fixed).max(0.1);
-        if growth > DOUBLE {
+        let allowed = OPERATIONS.iter().find(|operation| operation.name == *name);
+        let allowed = allowed.map_or(0.0, |operation| operation.growth);
+        if growth > allowed {
             out.push(format!(
-                "{name}: twice the input takes {growth:.2} times the instructions, {DOUBLE} are allowed: \
+                "{name}: twice the input takes {growth:.2} times the instructions, {allowed} are allowed: \
                  {middle:.1} and {large:.1} million"
             ));
         }

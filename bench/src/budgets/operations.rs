@@ -17,14 +17,22 @@ pub(super) struct Operation {
     pub(super) prepare: fn(dotgen: &Path, folder: &Path, size: usize) -> Result<Vec<String>>,
     /// What an editor does, if the program is a server.
     pub(super) session: Option<fn(&mut Editor, &Path) -> Result<()>>,
+    /// Twice the input, so many times the instructions at most.
+    pub(super) growth: f64,
 }
+
+/// The growth of an operation in proportion to the text.
+const LINEAR: f64 = 2.2;
+
+/// The growth of an operation on pairs of tasks, round by round.
+const OF_PAIRS: f64 = 5.0;
 
 impl Operation {
     const fn command(
         name: &'static str,
         prepare: fn(&Path, &Path, usize) -> Result<Vec<String>>,
     ) -> Operation {
-        Operation { name, prepare, session: None }
+        Operation { name, prepare, session: None, growth: LINEAR }
     }
 
     /// A session of an editor over a component with codels.
@@ -36,7 +44,7 @@ impl Operation {
             with_codels(dotgen, folder, size)?;
             command(&["lsp"])
         };
-        Operation { name, prepare, session: Some(session) }
+        Operation { name, prepare, session: Some(session), growth: LINEAR }
     }
 }
 
@@ -113,10 +121,13 @@ pub(super) const OPERATIONS: &[Operation] = &[
         let until = ["run", "--simulate", "all", "--bounds", "none", "--until", &until, FILE];
         command(&until)
     }),
-    Operation::command("verify", |_, folder, size| {
-        std::fs::write(folder.join(FILE), tasks(size / 4))?;
-        command(&["verify", FILE])
-    }),
+    Operation {
+        growth: OF_PAIRS,
+        ..Operation::command("verify", |_, folder, size| {
+            std::fs::write(folder.join(FILE), tasks(size / 4))?;
+            command(&["verify", FILE])
+        })
+    },
 ];
 
 fn command(arguments: &[&str]) -> Result<Vec<String>> {
