@@ -92,7 +92,7 @@ enum What {
     /// Answers under the semantics of the servers and under the published one, and the point that makes the
     /// difference.
     Semantics,
-    /// How many deadlines of random stacks are answered, each stack in --seconds.
+    /// Deadlines of random stacks that are answered, with --seconds for each stack.
     Stacks,
 }
 

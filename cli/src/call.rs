@@ -7,7 +7,7 @@ use camino::Utf8PathBuf;
 use clap::Args;
 use serde_json::{Map, Value, json};
 
-use super::{Exit, report};
+use super::{CommandExit, report};
 use dotgen_hosting::sockets;
 
 /// Request a service of a component that runs (`dotgen run --clock real`)
@@ -114,7 +114,7 @@ impl RunConnection {
     }
 }
 
-pub(super) fn call(arguments: &Call) -> anyhow::Result<Exit> {
+pub(super) fn call(arguments: &Call) -> anyhow::Result<CommandExit> {
     let input: Value = serde_json::from_str(&arguments.input)
         .context("the inputs are not valid JSON: give an object, for example '{\"height\": 2}'")?;
     if !arguments.zenoh_connect.is_empty() {
@@ -133,7 +133,7 @@ pub(super) fn call(arguments: &Call) -> anyhow::Result<Exit> {
 
 /// Requests the service on another machine.
 #[cfg(feature = "zenoh")]
-fn call_elsewhere(arguments: &Call, input: &Value) -> anyhow::Result<Exit> {
+fn call_elsewhere(arguments: &Call, input: &Value) -> anyhow::Result<CommandExit> {
     use std::ops::ControlFlow;
 
     let Call { component, service, .. } = arguments;
@@ -152,17 +152,17 @@ fn call_elsewhere(arguments: &Call, input: &Value) -> anyhow::Result<Exit> {
 }
 
 #[cfg(not(feature = "zenoh"))]
-fn call_elsewhere(_: &Call, _: &Value) -> anyhow::Result<Exit> {
+fn call_elsewhere(_: &Call, _: &Value) -> anyhow::Result<CommandExit> {
     bail!(crate::report::NO_ZENOH)
 }
 
 /// Prints a reply to a request of a service. Returns the outcome of the command if the reply decides it.
-fn show(message: &Value, ack: bool) -> anyhow::Result<Option<Exit>> {
+fn show(message: &Value, ack: bool) -> anyhow::Result<Option<CommandExit>> {
     Ok(match message["event"].as_str() {
-        Some("accepted") if ack => Some(Exit::Fine),
+        Some("accepted") if ack => Some(CommandExit::Fine),
         Some("done") => {
             writeln!(std::io::stdout(), "{}", message["output"])?;
-            Some(Exit::Fine)
+            Some(CommandExit::Fine)
         }
         Some("failed") => {
             let exception = message["exception"].as_str().unwrap_or("an exception");
@@ -170,7 +170,7 @@ fn show(message: &Value, ack: bool) -> anyhow::Result<Option<Exit>> {
                 Value::Null => explain_failure(exception),
                 detail => explain_failure(&format!("{exception} {detail}")),
             }
-            Some(Exit::Errors)
+            Some(CommandExit::Errors)
         }
         _ => None,
     })
@@ -185,7 +185,7 @@ fn refused(message: &Value) -> anyhow::Result<()> {
     Ok(())
 }
 
-pub(super) fn watch(arguments: &Watch) -> anyhow::Result<Exit> {
+pub(super) fn watch(arguments: &Watch) -> anyhow::Result<CommandExit> {
     let mut talk = RunConnection::begin(arguments.socket.as_ref())?;
     talk.say(&json!({"id": 0, "read": arguments.port}))?;
     talk.say(&json!({"id": 1, "watch": arguments.port, "newest": !arguments.only_new}))?;
@@ -203,7 +203,7 @@ pub(super) fn watch(arguments: &Watch) -> anyhow::Result<Exit> {
             Some("data") => {}
             Some("lost") => {
                 explain_failure(message["message"].as_str().unwrap_or("the component is gone"));
-                return Ok(Exit::Errors);
+                return Ok(CommandExit::Errors);
             }
             _ => continue,
         }
@@ -214,7 +214,7 @@ pub(super) fn watch(arguments: &Watch) -> anyhow::Result<Exit> {
         }
         left = left.map(|number| number - 1);
     }
-    Ok(Exit::Fine)
+    Ok(CommandExit::Fine)
 }
 
 /// Prints the reason of the failure of a service.

@@ -14,7 +14,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::report::{self, FileReports, Format, OpenNames};
 use super::session::{self, ConfigProblems, ErrorReporter, Session, SourceFile, Texts};
-use super::{Exit, SpecificationOptions};
+use super::{CommandExit, SpecificationOptions};
 use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
 use dotgen_platform::files::vfs;
 use dotgen_views::verification::Problem;
@@ -77,7 +77,7 @@ impl Arguments {
     }
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     anyhow::ensure!(
         !arguments.unsafe_fixes || arguments.fix || arguments.diff,
         "`--unsafe-fixes` needs `--fix` or `--diff`"
@@ -88,7 +88,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
     let (files, mut trouble) =
         session::usable_files(&session::or_here(&arguments.paths), extensions);
     if files.is_empty() {
-        return Ok(trouble.outcome(Exit::Fine));
+        return Ok(trouble.outcome(CommandExit::Fine));
     }
     let mut report = FileReports::default();
     let mut changed = fix::ChangedTexts::new();
@@ -146,8 +146,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
         trouble.told();
     }
     Ok(trouble.outcome(match report.count(Severity::Error) {
-        0 => Exit::Fine,
-        _ => Exit::Errors,
+        0 => CommandExit::Fine,
+        _ => CommandExit::Errors,
     }))
 }
 

@@ -22,7 +22,7 @@ use std::io::Write as _;
 
 use super::report::{self, Compared, FileReports, Format};
 use super::session::{self, Session};
-use super::{Exit, SpecificationOptions};
+use super::{CommandExit, SpecificationOptions};
 use dotgen_lsp_server::features::codels::Disk;
 use dotgen_lsp_server::features::codels::headers::{FOLDER, IGNORED};
 use dotgen_platform::files::vfs;
@@ -120,7 +120,7 @@ struct Headers {
     reading: SpecificationOptions,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     match &arguments.command {
         Command::Check(options) => check(options),
         Command::Stub(options) => stub(options),
@@ -149,7 +149,7 @@ fn roots(session: &Session) -> Vec<Utf8PathBuf> {
     session.files.iter().map(|file| file.path.clone()).collect()
 }
 
-fn check(arguments: &Check) -> anyhow::Result<Exit> {
+fn check(arguments: &Check) -> anyhow::Result<CommandExit> {
     let (files, mut trouble) = session::specifications(&session::or_here(&arguments.paths));
     let mut report = FileReports::default();
     let mut errors = Vec::new();
@@ -188,7 +188,11 @@ fn check(arguments: &Check) -> anyhow::Result<Exit> {
     }
     let differs = report.diagnostics.iter();
     let differs = differs.filter(|diagnostic| diagnostic.severity != Severity::Hint).count();
-    Ok(trouble.outcome(if differs == 0 && !broken { Exit::Fine } else { Exit::Errors }))
+    Ok(trouble.outcome(if differs == 0 && !broken {
+        CommandExit::Fine
+    } else {
+        CommandExit::Errors
+    }))
 }
 
 /// Prints a warning: the specification has errors, so not everything could be compared.
@@ -241,7 +245,7 @@ fn warn_nothing_compared(folder: &Folder) {
     ));
 }
 
-fn stub(arguments: &Stub) -> anyhow::Result<Exit> {
+fn stub(arguments: &Stub) -> anyhow::Result<CommandExit> {
     check_is_file(std::slice::from_ref(&arguments.file))?;
     let mut session = session::single(&arguments.file, &arguments.reading)?;
     let root = roots(&session).pop().context("there is nothing to read")?;
@@ -256,7 +260,7 @@ fn stub(arguments: &Stub) -> anyhow::Result<Exit> {
         report::note("every codel has a function; there is nothing to write");
     }
     write(&changes, &session.writable(), arguments.dry_run)?;
-    Ok(Exit::Fine)
+    Ok(CommandExit::Fine)
 }
 
 /// `CODEL=STATE`
@@ -267,11 +271,11 @@ fn yield_of_codel(text: &str) -> Result<(String, String), String> {
     Ok((codel.trim().to_owned(), state.trim().to_owned()))
 }
 
-fn sync(arguments: &Sync) -> anyhow::Result<Exit> {
+fn sync(arguments: &Sync) -> anyhow::Result<CommandExit> {
     let (files, mut trouble) = session::specifications(&session::or_here(&arguments.paths));
     check_is_file(&arguments.paths)?;
     let options = SyncOptions { remove_yields: arguments.remove_yield.clone() };
-    let mut outcome = Exit::Fine;
+    let mut outcome = CommandExit::Fine;
     for mut session in session::open(files, &arguments.reading)? {
         let roots = roots(&session);
         let done = command::sync(&mut project(&mut session), &roots, &options);
@@ -303,7 +307,7 @@ fn sync(arguments: &Sync) -> anyhow::Result<Exit> {
         }
         if !left.is_empty() {
             writeln!(out, "{} left, see `dotgen codels check`", left.len())?;
-            outcome = Exit::Errors;
+            outcome = CommandExit::Errors;
         }
         for error in &done.left.errors {
             trouble.tell(&anyhow::Error::msg(error.clone()));
@@ -312,7 +316,7 @@ fn sync(arguments: &Sync) -> anyhow::Result<Exit> {
     Ok(trouble.outcome(outcome))
 }
 
-fn headers(arguments: &Headers) -> anyhow::Result<Exit> {
+fn headers(arguments: &Headers) -> anyhow::Result<CommandExit> {
     check_is_file(std::slice::from_ref(&arguments.file))?;
     let mut session = session::single(&arguments.file, &arguments.reading)?;
     let root = roots(&session).pop().context("there is nothing to read")?;
@@ -341,7 +345,7 @@ fn headers(arguments: &Headers) -> anyhow::Result<Exit> {
         None => session.writable(),
     };
     write(&changes, &within, false)?;
-    Ok(Exit::Fine)
+    Ok(CommandExit::Fine)
 }
 
 /// Writes changes, all or none, and prints the names of the files; or prints the differences.

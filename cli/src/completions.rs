@@ -5,7 +5,7 @@ use std::io::Write;
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 
-use super::{Cli, Exit};
+use super::{Cli, CommandExit};
 
 /// Print a shell completion script
 ///
@@ -18,9 +18,9 @@ pub(super) struct Arguments {
     shell: Shell,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut Cli::command(), "dotgen", &mut script);
     std::io::stdout().write_all(&script)?;
-    Ok(Exit::Fine)
+    Ok(CommandExit::Fine)
 }

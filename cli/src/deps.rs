@@ -11,7 +11,7 @@ use dotgen_syntax::packages;
 use serde::Serialize;
 use serde_json::json;
 
-use super::{Exit, SpecificationOptions, report, session};
+use super::{CommandExit, SpecificationOptions, report, session};
 use dotgen_lsp_server::features::codels::standins;
 use dotgen_platform::files::vfs;
 
@@ -59,7 +59,7 @@ struct FileDependencies {
     written: Vec<String>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     let (files, mut trouble) = session::specifications(&arguments.paths);
     let mut all = Vec::new();
     for session in session::open(files, &arguments.reading)? {
@@ -100,7 +100,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
         }
     }
     let complete = all.iter().all(|dependencies| dependencies.complete);
-    Ok(trouble.outcome(if complete { Exit::Fine } else { Exit::Errors }))
+    Ok(trouble.outcome(if complete { CommandExit::Fine } else { CommandExit::Errors }))
 }
 
 /// Paths relative to the current directory.

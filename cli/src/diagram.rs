@@ -11,7 +11,7 @@ use dotgen_diagram::theme::Theme;
 use dotgen_syntax::encoding;
 use serde_json::json;
 
-use super::{Exit, SpecificationOptions, report, session};
+use super::{CommandExit, SpecificationOptions, report, session};
 use dotgen_views::pictures::{self, Form, Kind, Picture, PictureRequest, SystemContext};
 
 /// Draw state machines, components and locks
@@ -108,11 +108,11 @@ enum Colours {
     Editor,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     let format = format(arguments)?;
     let mut units = Vec::new();
     let mut connections = Vec::new();
-    let mut outcome = Exit::Fine;
+    let mut outcome = CommandExit::Fine;
     let (files, mut trouble) = session::specifications(&arguments.files);
     if files.is_empty() {
         return Ok(trouble.outcome(outcome));
@@ -127,7 +127,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
                 let mut texts = session::Texts::default();
                 session.add_texts(&unit.diagnostics, &mut texts)?;
                 report::text::print_errors(&unit.diagnostics, &texts)?;
-                outcome = Exit::Errors;
+                outcome = CommandExit::Errors;
             }
             units.push(unit);
         }

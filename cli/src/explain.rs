@@ -4,7 +4,7 @@ use std::io::{IsTerminal as _, Write as _};
 
 use clap::Args;
 
-use super::Exit;
+use super::CommandExit;
 use super::width::wrapped;
 use dotgen_views::manual;
 
@@ -20,13 +20,13 @@ pub(super) struct Arguments {
     code: Option<String>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     let mut out = std::io::stdout().lock();
     let Some(code) = &arguments.code else {
         for code in manual::codes() {
             writeln!(out, "{code}")?;
         }
-        return Ok(Exit::Fine);
+        return Ok(CommandExit::Fine);
     };
     let Some(text) = manual::text(code) else {
         let near = dotgen_syntax::suggestion::nearest(code, manual::codes());
@@ -37,7 +37,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
     // Programs read the page as it is.
     if !out.is_terminal() {
         out.write_all(text.as_bytes())?;
-        return Ok(Exit::Fine);
+        return Ok(CommandExit::Fine);
     }
     let mut is_code = false;
     for line in text.lines() {
@@ -48,5 +48,5 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
             writeln!(out, "{}", wrapped(line, 0, 0))?;
         }
     }
-    Ok(Exit::Fine)
+    Ok(CommandExit::Fine)
 }

@@ -14,7 +14,7 @@ use dotgen_views::verification::Problem;
 use super::session::Session;
 use super::system_options::{DurationsName, SystemOptions};
 use super::verify::{body, one_problem, parsed, prepared};
-use super::{Exit, SpecificationOptions, report, session};
+use super::{CommandExit, SpecificationOptions, report, session};
 
 /// Words of the first lines of each file that the command writes.
 const MARK: &str = "written by dotgen export";
@@ -98,9 +98,9 @@ impl ModelOptions {
     }
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     let Some(Model { session, problem, prepared, .. }) = arguments.model.model()? else {
-        return Ok(Exit::Unusable);
+        return Ok(CommandExit::Unusable);
     };
     let names = Names::new(&problem.specs());
     let place = |component: usize, src: Src| {
@@ -135,7 +135,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
     for path in &paths {
         report::note(&format!("wrote `{}`", session::display(path)));
     }
-    Ok(Exit::Fine)
+    Ok(CommandExit::Fine)
 }
 
 /// Checks that a file is missing, or was written by an earlier export.

@@ -15,7 +15,7 @@ use similar::TextDiff;
 
 use super::report;
 use super::session::{self, Session, SourceFile};
-use super::{Exit, SpecificationOptions};
+use super::{CommandExit, SpecificationOptions};
 use dotgen_lsp_server::config::style;
 use dotgen_platform::files::disk::SystemDisk;
 use dotgen_platform::files::vfs;
@@ -45,7 +45,7 @@ pub(super) struct Arguments {
     reading: SpecificationOptions,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     if arguments.paths.iter().any(|path| session::is_standard_input(path)) {
         if arguments.paths.len() > 1 {
             bail!("`-` stands for standard input and goes with no other path");
@@ -95,7 +95,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
             report::note(&parts.join(", "));
         }
     }
-    Ok(trouble.outcome(if arguments.check && differs { Exit::Errors } else { Exit::Fine }))
+    Ok(trouble.outcome(if arguments.check && differs {
+        CommandExit::Errors
+    } else {
+        CommandExit::Fine
+    }))
 }
 
 /// Returns the text of a file, and the formatted text.
@@ -155,7 +159,7 @@ fn apply(text: &str, edits: &[FileEdit]) -> String {
 }
 
 /// Formats standard input. Its includes are not followed, because the text has no path.
-fn standard_input(check: bool) -> anyhow::Result<Exit> {
+fn standard_input(check: bool) -> anyhow::Result<CommandExit> {
     let old = session::standard_input()?;
     let parse = parse_text(&old);
     let style = format::Options::default();
@@ -164,9 +168,9 @@ fn standard_input(check: bool) -> anyhow::Result<Exit> {
         std::io::stdout().write_all(&encoding::encode(&new))?;
     } else if old != new {
         print_diff("-", &old, &new)?;
-        return Ok(Exit::Errors);
+        return Ok(CommandExit::Errors);
     }
-    Ok(Exit::Fine)
+    Ok(CommandExit::Fine)
 }
 
 /// Prints differences as a unified diff.

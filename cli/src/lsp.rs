@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::{Exit, logging};
+use super::{CommandExit, logging};
 use dotgen_lsp_server::session::server;
 use dotgen_platform::process::{folders, memory};
 
@@ -16,7 +16,7 @@ pub(super) struct Arguments {
     stdio: bool,
 }
 
-pub(super) fn run() -> anyhow::Result<Exit> {
+pub(super) fn run() -> anyhow::Result<CommandExit> {
     let log = logging::install("warn,dotgen_lsp_server=info");
     memory::return_when_idle();
     // Removes files of sessions that ended without cleanup. The server does not wait for this.

@@ -150,7 +150,7 @@ fn definition(text: &str) -> Result<String, String> {
 }
 
 /// The exit status of a command.
-enum Exit {
+enum CommandExit {
     /// No errors: exit status 0.
     Fine,
     /// The specification has errors, or is not formatted: 1.
@@ -219,11 +219,11 @@ fn main() -> ExitCode {
         Command::Mcp(_) => mcp::run(),
     };
     match result {
-        Ok(Exit::Fine) => ExitCode::SUCCESS,
-        Ok(Exit::Errors) => ExitCode::from(1),
-        Ok(Exit::Unusable) => ExitCode::from(2),
-        Ok(Exit::GaveUp) => ExitCode::from(3),
-        Ok(Exit::NotStopped) => ExitCode::from(4),
+        Ok(CommandExit::Fine) => ExitCode::SUCCESS,
+        Ok(CommandExit::Errors) => ExitCode::from(1),
+        Ok(CommandExit::Unusable) => ExitCode::from(2),
+        Ok(CommandExit::GaveUp) => ExitCode::from(3),
+        Ok(CommandExit::NotStopped) => ExitCode::from(4),
         // The reader of the output has closed it.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {

@@ -5,7 +5,7 @@ use clap::Args;
 use clap_mangen::Man;
 use dotgen_codegen::disk::NewContent;
 
-use super::{Exit, report};
+use super::{CommandExit, report};
 
 /// Write pages for `man`: one for the program and one for each command
 #[derive(Debug, Args)]
@@ -15,14 +15,14 @@ pub(super) struct Arguments {
     directory: Utf8PathBuf,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     let mut command = crate::help::command();
     // This passes global options and names down to all subcommands.
     command.build();
     let mut pages = Vec::new();
     add(&command, "dotgen", arguments, &mut pages)?;
     report::write_files(pages, &[])?;
-    Ok(Exit::Fine)
+    Ok(CommandExit::Fine)
 }
 
 fn add(

@@ -16,7 +16,7 @@ use serde::Deserialize;
 use std::ffi::OsString;
 use tokio::sync::Mutex;
 
-use super::{Exit, logging};
+use super::{CommandExit, logging};
 use dotgen_platform::process;
 
 /// Maximum length of the output in an answer, and of the messages after it, in bytes. Together they are about
@@ -38,7 +38,7 @@ type Context = RequestContext<RoleServer>;
 #[derive(Debug, Args)]
 pub(super) struct Arguments {}
 
-pub(super) fn run() -> anyhow::Result<Exit> {
+pub(super) fn run() -> anyhow::Result<CommandExit> {
     let log = logging::install("warn");
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     runtime.block_on(async {
@@ -48,7 +48,7 @@ pub(super) fn run() -> anyhow::Result<Exit> {
     })?;
     runtime.shutdown_background();
     log.wait();
-    Ok(Exit::Fine)
+    Ok(CommandExit::Fine)
 }
 
 /// The tools. One command runs at a time, so that commands do not edit the same files.

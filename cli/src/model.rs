@@ -5,7 +5,7 @@ use std::io::Write;
 use camino::Utf8PathBuf;
 use clap::Args;
 
-use super::{Exit, SpecificationOptions, report, session};
+use super::{CommandExit, SpecificationOptions, report, session};
 
 /// Print the component model of a specification as JSON
 ///
@@ -22,9 +22,9 @@ pub(super) struct Arguments {
     reading: SpecificationOptions,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     let session = session::single(&arguments.file, &arguments.reading)?;
-    let mut outcome = Exit::Fine;
+    let mut outcome = CommandExit::Fine;
     for file in &session.files {
         let unit = session.ask(&file.path, |analysis| analysis.root_unit(&file.path))?;
         let model = dotgen_views::model::document(&unit);
@@ -35,7 +35,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
             let mut texts = session::Texts::default();
             session.add_texts(&unit.diagnostics, &mut texts)?;
             report::text::print_errors(&unit.diagnostics, &texts)?;
-            outcome = Exit::Errors;
+            outcome = CommandExit::Errors;
         }
     }
     Ok(outcome)

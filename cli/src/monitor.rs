@@ -26,7 +26,7 @@ use super::session::is_standard_input;
 use super::system_options::SystemOptions;
 use super::verify::{interrupt, one_problem, prepared, title};
 use super::wcet::{CHUNK_BYTES, InputFiles, input_files, open, read_log};
-use super::{Exit, SpecificationOptions, report};
+use super::{CommandExit, SpecificationOptions, report};
 use dotgen_platform::files::disk::Stream;
 
 /// Interval of reads from a log that is followed.
@@ -72,12 +72,12 @@ pub(super) struct Arguments {
     reading: SpecificationOptions,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     let files = input_files(&arguments.files)?;
     check_files(arguments, &files)?;
     let interrupt = interrupt::on_terminal();
     let Some((session, problem)) = one_problem(&files.texts, &arguments.reading)? else {
-        return Ok(Exit::Unusable);
+        return Ok(CommandExit::Unusable);
     };
     let trace = arguments.trace.iter();
     let written: Vec<Output<'_>> =
@@ -86,7 +86,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
     outputs::check(&written, read)?;
     let options = arguments.system.options();
     let Some(prepared) = prepared(&session, &problem, &options, &[], false)? else {
-        return Ok(Exit::Unusable);
+        return Ok(CommandExit::Unusable);
     };
     let bounds = bounds::of_tasks(arguments.bounds, &problem, &options, &prepared, &interrupt);
     let names = Names::new(&problem.specs());
@@ -170,7 +170,7 @@ fn print(
     reports: &[LogReport],
     unit: TimeUnit,
     format: TextOrJson,
-) -> anyhow::Result<Exit> {
+) -> anyhow::Result<CommandExit> {
     let mut all = reports.iter().map(|of| &of.report);
     let nothing = all.all(|report| report.runs == 0 && report.deviation_count == 0);
     match format {
@@ -183,7 +183,7 @@ fn print(
         bail!("the log has no line of a codel of {title}");
     }
     let deviates = reports.iter().any(|of| of.report.deviation_count > 0);
-    Ok(if deviates { Exit::Errors } else { Exit::Fine })
+    Ok(if deviates { CommandExit::Errors } else { CommandExit::Fine })
 }
 
 /// Deviations that were printed while the log was followed.

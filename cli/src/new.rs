@@ -7,7 +7,7 @@ use dotgen_analysis::host::AnalysisHost;
 use dotgen_codegen::component::NewTask;
 
 use super::report;
-use super::{Exit, session};
+use super::{CommandExit, session};
 use dotgen_lsp_server::features::codels::Disk;
 use dotgen_lsp_server::features::component::{self, Answers};
 use dotgen_platform::files::vfs::Vfs;
@@ -56,7 +56,7 @@ fn task(text: &str) -> NewTask {
     }
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     let absolute = |path: &Utf8Path| -> anyhow::Result<Utf8PathBuf> {
         camino::absolute_utf8(path).with_context(|| format!("`{path}` is no path"))
     };
@@ -88,5 +88,5 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
     for (path, _) in &files {
         report::note(&format!("wrote `{}`", session::display(path)));
     }
-    Ok(Exit::Fine)
+    Ok(CommandExit::Fine)
 }

@@ -15,7 +15,7 @@ use serde_json::Value;
 use super::call::RunConnection;
 use super::wcet::unreadable;
 use super::write::{Input, Pacer};
-use super::{Exit, report};
+use super::{CommandExit, report};
 
 /// Write the port data of a recording to input ports of a run, at the recorded times
 ///
@@ -81,7 +81,7 @@ struct Topic {
     why: Option<String>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     let path = &arguments.file;
     let bytes = std::fs::read(path).map_err(|error| unreadable(path, &error))?;
     let data = record::read_data(&bytes).map_err(|error| anyhow::anyhow!("`{path}`: {error}"))?;
@@ -106,9 +106,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
     Ok(
         match (all().any(|target| target.written > 0), all().any(|target| target.refused.is_some()))
         {
-            (false, _) => Exit::Unusable,
-            (true, true) => Exit::Errors,
-            (true, false) => Exit::Fine,
+            (false, _) => CommandExit::Unusable,
+            (true, true) => CommandExit::Errors,
+            (true, false) => CommandExit::Fine,
         },
     )
 }

@@ -12,7 +12,7 @@ use rustc_hash::FxHashMap;
 use serde::Serialize;
 use serde_json::json;
 
-use super::{Exit, SpecificationOptions, report, session};
+use super::{CommandExit, SpecificationOptions, report, session};
 use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
 use session::{Session, Texts};
 
@@ -85,7 +85,7 @@ struct Finding {
     line: u32,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     let (files, trouble) = session::specifications(&arguments.paths);
     let names: Vec<&str> =
         arguments.name.split(['.', ':']).filter(|part| !part.is_empty()).collect();
@@ -139,7 +139,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
         let near = near.map_or_else(String::new, |text| format!("; did you mean `{text}`?"));
         super::failure(&anyhow::anyhow!("nothing is named `{}`{near}", arguments.name));
     }
-    Ok(trouble.outcome(if found.is_empty() { Exit::Errors } else { Exit::Fine }))
+    Ok(trouble.outcome(if found.is_empty() { CommandExit::Errors } else { CommandExit::Fine }))
 }
 
 impl Session {

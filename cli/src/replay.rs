@@ -22,7 +22,7 @@ use super::report::TextOrJson;
 use super::system_options::SystemOptions;
 use super::verify::{one_problem, prepared, title};
 use super::wcet::unreadable;
-use super::{Exit, SpecificationOptions, report};
+use super::{CommandExit, SpecificationOptions, report};
 
 /// Compare a recorded run step by step with the verified model
 ///
@@ -53,7 +53,7 @@ pub(super) struct Arguments {
     reading: SpecificationOptions,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     let is_recording = |path: &&Utf8PathBuf| path.extension() == Some(MCAP);
     let (recordings, texts): (Vec<_>, Vec<_>) = arguments.files.iter().partition(is_recording);
     let [path] = recordings[..] else {
@@ -77,11 +77,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
         });
     }
     let Some((session, problem)) = one_problem(&texts, &arguments.reading)? else {
-        return Ok(Exit::Unusable);
+        return Ok(CommandExit::Unusable);
     };
     let options = arguments.system.options();
     let Some(mut prepared) = prepared(&session, &problem, &options, &[], false)? else {
-        return Ok(Exit::Unusable);
+        return Ok(CommandExit::Unusable);
     };
     let default = !problem.is_written();
     let outside = with_environment(&mut prepared, &recorded.about, default);
@@ -124,9 +124,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
         }
     }
     Ok(match report.difference_count {
-        _ if damaged.is_some() => Exit::Unusable,
-        0 if checks.iter().all(|check| check.violations == 0) => Exit::Fine,
-        _ => Exit::Errors,
+        _ if damaged.is_some() => CommandExit::Unusable,
+        0 if checks.iter().all(|check| check.violations == 0) => CommandExit::Fine,
+        _ => CommandExit::Errors,
     })
 }
 

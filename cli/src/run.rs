@@ -35,7 +35,7 @@ use super::outputs::{self, MCAP, Output, PERFETTO, VIEWER};
 use super::report::TextOrJson;
 use super::system_options::SystemOptions;
 use super::verify::{body, interrupt, problems};
-use super::{Exit, SpecificationOptions, report};
+use super::{CommandExit, SpecificationOptions, report};
 use scenario::{Ended, one};
 
 /// Run components and watch the checks of a scenario
@@ -457,7 +457,7 @@ impl Arguments {
     }
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     if let Some(Subcommand::Merge(arguments)) = &arguments.command {
         return merge::run(arguments);
     }
@@ -474,7 +474,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
         let unit =
             systemd::unit(&titles.join(", "), std::env::args_os().skip(1), arguments.stop_within)?;
         std::io::stdout().write_all(unit.as_bytes())?;
-        return Ok(trouble.outcome(Exit::Fine));
+        return Ok(trouble.outcome(CommandExit::Fine));
     }
     let output = |path, endings| Output { path, endings };
     let log = arguments.profile.iter().map(|profile| output(profile, &[]));
@@ -503,16 +503,16 @@ fn print(answers: &[Answer], format: TextOrJson) -> anyhow::Result<()> {
     }
 }
 
-fn outcome(answers: &[Answer]) -> Exit {
+fn outcome(answers: &[Answer]) -> CommandExit {
     let ended = |answer: &Answer| !matches!(answer.report.end, End::Done | End::NothingLeft);
     if answers.iter().any(|answer| !answer.report.unfinished.is_empty()) {
-        Exit::NotStopped
+        CommandExit::NotStopped
     } else if answers.iter().any(|answer| answer.report.violated()) {
-        Exit::Errors
+        CommandExit::Errors
     } else if answers.iter().any(ended) {
-        Exit::GaveUp
+        CommandExit::GaveUp
     } else {
-        Exit::Fine
+        CommandExit::Fine
     }
 }
 

@@ -13,7 +13,7 @@ use dotgen_timing::scn::requests;
 use dotgen_views::verification::problem::components;
 
 use crate::verify::one_problem;
-use crate::{Exit, SpecificationOptions, report, session};
+use crate::{CommandExit, SpecificationOptions, report, session};
 
 /// Write scenarios from files of published models
 #[derive(Debug, Args)]
@@ -58,14 +58,14 @@ enum UnitName {
     Us,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     match &arguments.command {
         Command::Import(import) => import.run(),
     }
 }
 
 impl Import {
-    fn run(&self) -> anyhow::Result<Exit> {
+    fn run(&self) -> anyhow::Result<CommandExit> {
         let is_specification = |path: &&Utf8PathBuf| language::is_specification(path);
         let specifications: Vec<_> = self.files.iter().filter(is_specification).cloned().collect();
         let others: Vec<_> = self.files.iter().filter(|path| !is_specification(path)).collect();
@@ -78,7 +78,7 @@ impl Import {
             anyhow::anyhow!("{file}:{}: {}", malformed.line, malformed.what)
         })?;
         let Some((_, problem)) = one_problem(&specifications, &self.reading)? else {
-            return Ok(Exit::Unusable);
+            return Ok(CommandExit::Unusable);
         };
         let specs = problem.specs();
         let all: Vec<_> = specs.iter().flat_map(|spec| components(spec)).collect();
@@ -94,7 +94,7 @@ impl Import {
         ensure!(!client.steps.is_empty(), "`{file}` has no request of these components");
         let text = self.scenario(file, &specifications, &client.steps)?;
         self.write(&text)?;
-        Ok(if client.unknown.is_empty() { Exit::Fine } else { Exit::Errors })
+        Ok(if client.unknown.is_empty() { CommandExit::Fine } else { CommandExit::Errors })
     }
 
     /// Returns the text of a scenario over the specifications, with a client of the steps.

@@ -15,7 +15,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
-use super::{Exit, SpecificationOptions};
+use super::{CommandExit, SpecificationOptions};
 use dotgen_lsp_server::config::{self, Config, Level, Problem, Settings};
 use dotgen_lsp_server::protocol::convert::{Encoding, Lines};
 use dotgen_platform::files::vfs::{self, PackageConfig, UnreadableFolder, Vfs};
@@ -354,8 +354,8 @@ impl ErrorReporter {
     }
 
     /// Returns the outcome of the command: `otherwise` if there was no error.
-    pub(super) fn outcome(&self, otherwise: Exit) -> Exit {
-        if self.any { Exit::Unusable } else { otherwise }
+    pub(super) fn outcome(&self, otherwise: CommandExit) -> CommandExit {
+        if self.any { CommandExit::Unusable } else { otherwise }
     }
 }
 

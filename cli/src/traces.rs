@@ -4,7 +4,7 @@ mod import;
 
 use clap::{Args, Subcommand};
 
-use super::Exit;
+use super::CommandExit;
 
 /// Import counterexamples of other tools for exported models
 #[derive(Debug, Args)]
@@ -18,7 +18,7 @@ enum Command {
     Import(import::Arguments),
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     match &arguments.command {
         Command::Import(arguments) => import::run(arguments),
     }

@@ -5,7 +5,7 @@ use std::io::Write;
 use camino::Utf8PathBuf;
 use clap::Args;
 
-use super::{Exit, SpecificationOptions, session};
+use super::{CommandExit, SpecificationOptions, session};
 
 /// Print the syntax tree of a file
 #[derive(Debug, Args)]
@@ -18,7 +18,7 @@ pub(super) struct Arguments {
     reading: SpecificationOptions,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     let session = session::single(&arguments.file, &arguments.reading)?;
     for file in &session.files {
         let tree = session
@@ -26,5 +26,5 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
             .unwrap_or_default();
         std::io::stdout().write_all(dotgen_syntax::encoding::shown(&tree).as_bytes())?;
     }
-    Ok(Exit::Fine)
+    Ok(CommandExit::Fine)
 }

@@ -31,7 +31,7 @@ use super::outputs::{self, Output, VIEWER};
 use super::report::TextOrJson;
 use super::session::{self, ErrorReporter, Session, SourceFile};
 use super::system_options::{DurationsName, SystemOptions};
-use super::{Exit, SpecificationOptions, report, trace};
+use super::{CommandExit, SpecificationOptions, report, trace};
 use crate::progress::{self, Activity};
 use dotgen_platform::files::vfs;
 use dotgen_views::verification::Problem;
@@ -167,7 +167,7 @@ fn seconds(text: &str) -> Result<Duration, String> {
     time.ok_or_else(|| "give a number of seconds".to_owned())
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     if let Some(file) = &arguments.xta {
         return xta::run(file, arguments);
     }
@@ -198,13 +198,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
         certificate::write(path, &answers)?;
     }
     Ok(trouble.outcome(if answers.iter().any(|answer| answer.report.refuted()) {
-        Exit::Errors
+        CommandExit::Errors
     } else if answers.iter().any(|answer| {
         answer.report.unknown() || answer.report.nothing() || answer.report.conditional()
     }) {
-        Exit::GaveUp
+        CommandExit::GaveUp
     } else {
-        Exit::Fine
+        CommandExit::Fine
     }))
 }
 

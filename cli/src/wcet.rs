@@ -11,7 +11,7 @@ use clap::{Args, Subcommand};
 use dotgen_analysis::language;
 use dotgen_recording::log::{Lines, TruncationCheck};
 
-use super::Exit;
+use super::CommandExit;
 use super::report;
 use super::session::is_standard_input;
 
@@ -33,7 +33,7 @@ enum Command {
     Stats(stats::Arguments),
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     match &arguments.command {
         Command::Import(arguments) => import::run(arguments),
         Command::Stats(arguments) => stats::run(arguments),

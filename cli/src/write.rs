@@ -9,7 +9,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::call::RunConnection;
-use super::{Exit, failure, report};
+use super::{CommandExit, failure, report};
 
 /// Write a value to an input port of a component that runs (`dotgen run --clock real`)
 ///
@@ -114,7 +114,7 @@ fn ended(which: &str) -> anyhow::Error {
     anyhow::anyhow!("the run has ended: {which} was not written")
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     let value = match arguments.value.as_str() {
         "-" => None,
         text => Some(parse(text)?),
@@ -137,26 +137,26 @@ fn write_value(
     arguments: &Arguments,
     input: &mut Input<'_>,
     value: &Value,
-) -> anyhow::Result<Exit> {
+) -> anyhow::Result<CommandExit> {
     if !input.write(value)? {
         return Err(ended("the value"));
     }
     let Some(rate) = arguments.rate else {
-        return Ok(Exit::Fine);
+        return Ok(CommandExit::Fine);
     };
     let period = Duration::from_secs_f64(1.0 / rate);
     loop {
         // The value stays the same: missed writes are not repeated.
         std::thread::sleep(period);
         if !input.write(value)? {
-            return Ok(Exit::Fine);
+            return Ok(CommandExit::Fine);
         }
     }
 }
 
-fn write_lines(arguments: &Arguments, input: &mut Input<'_>) -> anyhow::Result<Exit> {
+fn write_lines(arguments: &Arguments, input: &mut Input<'_>) -> anyhow::Result<CommandExit> {
     let period = arguments.rate.map(|rate| 1.0 / rate);
-    let mut outcome = Exit::Fine;
+    let mut outcome = CommandExit::Fine;
     let mut pace = Pacer::begin();
     let mut count = 0.0;
     for (number, line) in (1u64..).zip(std::io::stdin().lock().lines()) {
@@ -173,7 +173,7 @@ fn write_lines(arguments: &Arguments, input: &mut Input<'_>) -> anyhow::Result<E
             Ok(false) => return Err(ended(&format!("line {number}"))),
             Err(error) => {
                 failure(&error.context(format!("line {number} was not written")));
-                outcome = Exit::Errors;
+                outcome = CommandExit::Errors;
             }
         }
     }

@@ -7,8 +7,8 @@
 
 use std::fmt;
 
-/// A message. It can be shown, but not searched or compared with a text, so that nothing depends on its
-/// words.
+/// A message. Code can show and extend the text, and compare whole messages; it has no access to the words,
+/// so that nothing depends on them.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Wording {
     text: Box<str>,
@@ -44,8 +44,18 @@ impl Wording {
 
     /// The error without advice and without the marks of names.
     pub fn plain(&self) -> String {
-        self.text[..self.what as usize].replace('`', "")
+        unmarked(&self.text[..self.what as usize])
     }
+
+    /// The error and the advice, without the marks of names.
+    pub(crate) fn plain_with_advice(&self) -> String {
+        unmarked(&self.text)
+    }
+}
+
+/// Removes the marks of names.
+fn unmarked(text: &str) -> String {
+    text.replace('`', "")
 }
 
 impl<T: Into<String>> From<T> for Wording {

@@ -44,18 +44,18 @@ impl fmt::Display for Share {
     }
 }
 
-/// NameList, shown as `a`, `b` and `c`.
+/// Names, shown as `a`, `b` and `c`.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct NameList(pub Vec<Name>);
+pub struct ListedNames(pub Vec<Name>);
 
-impl NameList {
+impl ListedNames {
     /// The verb form for their number.
     fn verb(&self, one: &'static str, many: &'static str) -> &'static str {
         if self.0.len() == 1 { one } else { many }
     }
 }
 
-impl fmt::Display for NameList {
+impl fmt::Display for ListedNames {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, name) in self.0.iter().enumerate() {
             let before = match i {
@@ -69,9 +69,9 @@ impl fmt::Display for NameList {
     }
 }
 
-/// NameList with a verb, for late codels.
+/// Names with a verb, for late codels.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct LateCodels(pub NameList);
+pub struct LateCodels(pub ListedNames);
 
 impl fmt::Display for LateCodels {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -117,7 +117,7 @@ findings! {
         "port/never-written" PortNeverWritten { name: Name }
             => "no codel writes the output port `{name}`: its readers will never get data",
                "add `out {name}` to a codel";
-        "port/write-race" WriteRace { name: Name, tasks: NameList }
+        "port/write-race" WriteRace { name: Name, tasks: ListedNames }
             => "port `{name}` is written by codels of different tasks ({tasks}): which value readers see \
                 depends on scheduling",
                "let one task write it, or give each its own port";
@@ -171,7 +171,7 @@ findings! {
             => "task `{task}` has no period, and nothing ends `pause::{state}`: there is no other activity, \
                 attribute or function in its component",
                "give the task a `period`, or yield the state without `pause::`";
-        "fsm/dead-end" DeadEnd { codel: Name, states: NameList }
+        "fsm/dead-end" DeadEnd { codel: Name, states: ListedNames }
             => "the machine is stuck after `{codel}`: none of the states it yields ({states}) has a codel";
         "fsm/codel-named-as-event" NamedAsEvent { codel: Name, state: Name, free: Name }
             => "the codel `{codel}` has the name that the mapping gives to the state `{state}`: no C compiler \

@@ -8,7 +8,7 @@ use crate::model::{
 
 use super::Lint;
 use super::locks::only_starts_or_stops;
-use crate::finding::lints::{LintWarning, NameList};
+use crate::finding::lints::{LintWarning, ListedNames};
 
 /// An access to data by a codel or an attribute.
 struct DataAccess {
@@ -140,7 +140,7 @@ fn ports(lint: &mut Lint, uses: &[DataAccess]) {
                 .collect();
             let found = lint.report(
                 port.src,
-                LintWarning::WriteRace { name: name.clone(), tasks: NameList(names) },
+                LintWarning::WriteRace { name: name.clone(), tasks: ListedNames(names) },
             );
             found.related = related;
         }

@@ -5,7 +5,7 @@ use typed_index_collections::{TiVec, ti_vec};
 use crate::finding::role::Role;
 use crate::finding::{
     Severity,
-    lints::{CyclePath, LintWarning, NameList},
+    lints::{CyclePath, LintWarning, ListedNames},
 };
 use crate::model::fsm::Machine;
 use crate::model::{
@@ -163,7 +163,7 @@ fn dead_ends(lint: &mut Lint, machine: &Machine) {
             let at = codel.triggers.first().map_or(codel.src, |s| s.src);
             lint.report(
                 at,
-                LintWarning::DeadEnd { codel: codel.name.clone(), states: NameList(names) },
+                LintWarning::DeadEnd { codel: codel.name.clone(), states: ListedNames(names) },
             );
         }
     }

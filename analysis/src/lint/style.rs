@@ -1,6 +1,6 @@
 //! Rules of taste, off by default.
 
-use crate::finding::lints::{LateCodels, LintWarning, NameList};
+use crate::finding::lints::{LateCodels, LintWarning, ListedNames};
 use crate::finding::role::Role;
 use crate::model::{ComponentKind, Name, Src};
 
@@ -77,7 +77,7 @@ fn ordering(lint: &mut Lint) {
     }
     if let Some((at, _)) = late.first().cloned() {
         let names = late.iter().map(|(_, n)| n.clone()).collect();
-        let found = lint.report(at, LintWarning::OddOrder { late: LateCodels(NameList(names)) });
+        let found = lint.report(at, LintWarning::OddOrder { late: LateCodels(ListedNames(names)) });
         found.related = late[1..].iter().map(|(src, n)| (*src, Role::Too(n.clone()))).collect();
     }
 }

@@ -1,5 +1,5 @@
 //! Random stacks: 3 to 6 components with periodic tasks, activities, aperiodic tasks, functions, locks, ports
-//! and clients, on 1 to 4 cores. How many deadlines are answered in a limited time?
+//! and clients, on 1 to 4 cores. Counts the deadlines that are answered in a limited time.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;

@@ -9,7 +9,7 @@ use dotgen_codegen::codels::command::judge::{Judge, MAX_TRIALS, Verdict};
 use dotgen_codegen::codels::edit::Edit;
 use dotgen_codegen::codels::folder::NEVER_THROWN;
 
-use super::{ErrorReporter, Exit, FileReports, Session, check};
+use super::{CommandExit, ErrorReporter, FileReports, Session, check};
 use crate::{codels, fmt, report, session};
 
 /// Maximum number of rounds. A fix may reveal other errors.
@@ -222,11 +222,11 @@ fn by_roots<'e>(project: &Project<'_>, edits: Vec<(Edit, &'e Diagnostic)>) -> Ed
 }
 
 /// Prints the changes.
-pub(super) fn print(changed: &ChangedTexts) -> anyhow::Result<Exit> {
+pub(super) fn print(changed: &ChangedTexts) -> anyhow::Result<CommandExit> {
     for (path, (old, new)) in changed {
         fmt::print_diff(&session::display(path), old, new)?;
     }
-    Ok(if changed.is_empty() { Exit::Fine } else { Exit::Errors })
+    Ok(if changed.is_empty() { CommandExit::Fine } else { CommandExit::Errors })
 }
 
 /// Writes the new texts: all of them, or none.

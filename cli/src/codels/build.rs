@@ -26,7 +26,7 @@ use dotgen_timing::verify::Interrupt;
 use super::{check_is_file, project, roots};
 use crate::progress::{self, Activity};
 use crate::report::{self, FileReports, Format};
-use crate::{Exit, SpecificationOptions, session};
+use crate::{CommandExit, SpecificationOptions, session};
 use dotgen_lsp_server::features::codels::Disk;
 use dotgen_lsp_server::features::codels::headers::{FOLDER, IGNORED};
 use dotgen_platform::files::disk::SystemDisk;
@@ -66,7 +66,7 @@ pub(super) struct Build {
     reading: SpecificationOptions,
 }
 
-pub(super) fn run(arguments: &Build) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Build) -> anyhow::Result<CommandExit> {
     check_is_file(&arguments.paths)?;
     let (files, mut trouble) = session::specifications(&arguments.paths);
     let tools = tools(Optimization::Some)?;
@@ -101,8 +101,11 @@ pub(super) fn run(arguments: &Build) -> anyhow::Result<Exit> {
     for error in errors {
         trouble.tell(&anyhow::Error::msg(error));
     }
-    let outcome =
-        if whole && report.count(Severity::Error) == 0 { Exit::Fine } else { Exit::Errors };
+    let outcome = if whole && report.count(Severity::Error) == 0 {
+        CommandExit::Fine
+    } else {
+        CommandExit::Errors
+    };
     Ok(trouble.outcome(outcome))
 }
 

@@ -7,7 +7,7 @@ use dotgen_runtime::report::{FORMAT, RunReport};
 
 use super::{Answer, outcome, print};
 use crate::report::TextOrJson;
-use crate::{Exit, session};
+use crate::{CommandExit, session};
 
 /// Upper limit on the size of a report, in MB.
 const MAX_REPORT: usize = 64;
@@ -24,7 +24,7 @@ pub(super) struct Arguments {
 }
 
 /// Merges the reports of parts of the runs.
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     let answers: anyhow::Result<Vec<Answer>> =
         arguments.files.iter().map(|path| read(path)).collect();
     let answers = answers?;

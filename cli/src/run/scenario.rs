@@ -15,7 +15,7 @@ use crate::report::TextOrJson;
 use crate::session::{self, ErrorReporter, Session};
 use crate::verify::diagnostics::ScenarioDiagnostics;
 use crate::verify::{parsed, prepared};
-use crate::{Exit, report, trace};
+use crate::{CommandExit, report, trace};
 
 /// The end of the run of one scenario.
 pub(super) enum Ended {
@@ -23,7 +23,7 @@ pub(super) enum Ended {
     /// The scenario has errors, which are printed.
     Unusable,
     /// The command ends.
-    Stopped(Exit),
+    Stopped(CommandExit),
 }
 
 /// Runs one scenario.
@@ -67,9 +67,9 @@ pub(super) fn one(
     let Some(mut run) = context.run_while_proving(arguments, prepared, &mut files)? else {
         return Ok(Ended::Stopped(if interrupt.is_raised() {
             report::note("interrupted before it ran");
-            Exit::GaveUp
+            CommandExit::GaveUp
         } else {
-            Exit::Unusable
+            CommandExit::Unusable
         }));
     };
     run.report.notes.extend(untimed);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use anyhow::Context;
 use camino::Utf8Path;
-use dotgen_analysis::model::PortDir;
+use dotgen_analysis::model::{PortDir, PortId};
 use dotgen_runtime::live::HostedComponents;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::Prepared;
@@ -208,7 +208,7 @@ fn conversions(
 fn read(
     text: &str,
     known: &BTreeMap<ComponentId, KnownComponent>,
-) -> anyhow::Result<(ComponentId, dotgen_analysis::model::PortId, String)> {
+) -> anyhow::Result<(ComponentId, PortId, String)> {
     let split = text.split_once('=').and_then(|(port, key)| {
         let (component, port) = port.split_once('.')?;
         Some((component, port, key))

@@ -15,7 +15,7 @@ use crate::export::{Model, ModelOptions};
 use crate::outputs::{self, Output, VIEWER};
 use crate::trace::{self, RecordedRun};
 use crate::verify::text;
-use crate::{Exit, report, session, wcet};
+use crate::{CommandExit, report, session, wcet};
 
 /// Import a counterexample of UPPAAL or TChecker as a run of tasks and codels
 ///
@@ -39,14 +39,14 @@ pub(in super::super) struct Arguments {
     model: ModelOptions,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     let path = &arguments.trace;
     let mut bytes = Vec::new();
     let read = wcet::open(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes);
     read.map_err(|error| wcet::unreadable(path, &error))?;
     let Ok(text) = String::from_utf8(bytes) else { bail!("`{path}` is not UTF-8") };
     let Some(model) = arguments.model.model()? else {
-        return Ok(Exit::Unusable);
+        return Ok(CommandExit::Unusable);
     };
     let written: Vec<Output> =
         (arguments.output.iter()).map(|path| Output { path, endings: &[VIEWER] }).collect();
@@ -67,7 +67,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
         trace::write(path, recorded, &model.problem, &model.options)?;
         report::note(&format!("wrote `{}`", session::display(path)));
     }
-    Ok(Exit::Fine)
+    Ok(CommandExit::Fine)
 }
 
 /// Note of a written run.

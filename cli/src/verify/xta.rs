@@ -15,7 +15,7 @@ use super::interrupt;
 use crate::outputs;
 use crate::report::TextOrJson;
 use crate::width::{Table, wrapped};
-use crate::{Exit, session};
+use crate::{CommandExit, session};
 
 /// Time between two looks at the limit of time and at the interruption of the user.
 const POLL: Duration = Duration::from_millis(20);
@@ -26,7 +26,7 @@ const MAX_MEGABYTES: usize = 16;
 /// Most steps of a trace that are shown.
 const MAX_STEPS: usize = 200;
 
-pub(super) fn run(file: &Utf8Path, arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(file: &Utf8Path, arguments: &Arguments) -> anyhow::Result<CommandExit> {
     let network =
         dotgen_xta::read(&session::text(file, MAX_MEGABYTES)?).map_err(|error| at(file, &error))?;
     let queries = if arguments.checks.is_empty() {
@@ -80,16 +80,16 @@ fn at(path: &Utf8Path, error: &Error) -> anyhow::Error {
     anyhow!("{path}:{error}")
 }
 
-fn outcome(answers: &[(&Query, Answer)]) -> Exit {
+fn outcome(answers: &[(&Query, Answer)]) -> CommandExit {
     let any = |wanted: fn(&Answer) -> bool| answers.iter().any(|(_, answer)| wanted(answer));
     if any(|answer| matches!(answer, Answer::Fails { .. } | Answer::Invalid { .. })) {
-        Exit::Errors
+        CommandExit::Errors
     } else if any(|answer| matches!(answer, Answer::Refused(_))) {
-        Exit::Unusable
+        CommandExit::Unusable
     } else if any(|answer| matches!(answer, Answer::GaveUp { .. })) {
-        Exit::GaveUp
+        CommandExit::GaveUp
     } else {
-        Exit::Fine
+        CommandExit::Fine
     }
 }
 

@@ -28,7 +28,7 @@ use super::{input_files, read_log};
 use crate::report::TextOrJson;
 use crate::session::{Session, display};
 use crate::verify::one_problem;
-use crate::{Exit, SpecificationOptions, fmt, report};
+use crate::{CommandExit, SpecificationOptions, fmt, report};
 use dotgen_platform::files::vfs;
 use dotgen_views::verification::Problem;
 
@@ -114,14 +114,14 @@ struct Answer {
     changed: BTreeMap<Utf8PathBuf, (String, String)>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     let mut files = input_files(&arguments.files)?;
     files.texts.extend(arguments.spec.iter().cloned());
     if files.texts.is_empty() {
         files.texts.push(only_specification()?);
     }
     let Some((mut session, problem)) = one_problem(&files.texts, &arguments.reading)? else {
-        return Ok(Exit::Unusable);
+        return Ok(CommandExit::Unusable);
     };
     let is_scenario = problem.is_written();
     ensure!(
@@ -143,7 +143,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
         let files = files.map(|(path, (old, new))| report::edited(path, Some(old), new)).collect();
         report::write_files(files, &session.writable())?;
     }
-    Ok(if answer.refused.is_empty() { Exit::Fine } else { Exit::Errors })
+    Ok(if answer.refused.is_empty() { CommandExit::Fine } else { CommandExit::Errors })
 }
 
 /// Returns the only specification of the current directory.

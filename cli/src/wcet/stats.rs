@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use super::read_log;
 use crate::width::Table;
-use crate::{Exit, outputs, report};
+use crate::{CommandExit, outputs, report};
 
 /// Print statistics of logs: execution times, cycles, transitions
 ///
@@ -52,7 +52,7 @@ struct Document<'d> {
     left: &'d SkippedLines,
 }
 
-pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<CommandExit> {
     let mut collector = Collector::default();
     for log in &arguments.logs {
         read_log(log, |_, line, ended| collector.line(line, ended))?;
@@ -80,15 +80,15 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Exit> {
         Format::Json => {
             let document = Document { format: 1, groups: &groups, left: &collector.left };
             outputs::print_json(&document)?;
-            return Ok(Exit::Fine);
+            return Ok(CommandExit::Fine);
         }
         Format::Text => return print(&groups, &collector.left),
     };
     std::io::stdout().write_all(text.as_bytes())?;
-    Ok(Exit::Fine)
+    Ok(CommandExit::Fine)
 }
 
-fn print(groups: &[Group], left: &SkippedLines) -> anyhow::Result<Exit> {
+fn print(groups: &[Group], left: &SkippedLines) -> anyhow::Result<CommandExit> {
     let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
     let mut rows = vec![["", "runs", "least", "greatest", "mean", "deviation"].map(str::to_owned)];
     for group in groups {
@@ -111,7 +111,7 @@ fn print(groups: &[Group], left: &SkippedLines) -> anyhow::Result<Exit> {
     for text in told(left) {
         writeln!(out, "{text}")?;
     }
-    Ok(Exit::Fine)
+    Ok(CommandExit::Fine)
 }
 
 fn row(name: String, times: &Times) -> [String; 6] {

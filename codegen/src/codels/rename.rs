@@ -2,7 +2,7 @@
 //!
 //! The renamed names are found by a comparison of the whole mapping before and after (`names`), so that every
 //! name derived by the mapping is covered: events, exceptions with their details, types, enumerators,
-//! prototypes, ports. NewNames of the mapping are renamed token by token in the parsed sources. A member is
+//! prototypes, ports. Names of the mapping are renamed token by token in the parsed sources. A member is
 //! renamed only if the type of its value is known (`super::source::types`). Ambiguous names are unchanged,
 //! and listed.
 
@@ -441,7 +441,7 @@ impl<'a> File<'a> {
         }
     }
 
-    /// NewNames of the mapping in strings and comments.
+    /// Names of the mapping in strings and comments.
     fn prose(&mut self, span: &Span, why: UnchangedReason) {
         let text = self.text(span);
         for (at, word) in spelled(text) {

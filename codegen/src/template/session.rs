@@ -23,7 +23,7 @@ use crate::lang::Language;
 use crate::process::Processes;
 
 /// The state of a run.
-pub(super) struct Execution<'a> {
+pub(super) struct TemplateRun<'a> {
     run: &'a Run<'a>,
     host: Host,
     compiler: &'a mut Compiler,
@@ -97,7 +97,7 @@ pub(super) fn run(
         }
     };
     let compiled = compiler.compiled();
-    let mut session = Execution {
+    let mut session = TemplateRun {
         run,
         host,
         compiler,
@@ -119,7 +119,7 @@ pub(super) fn run(
     session.conclude(ended)
 }
 
-impl Execution<'_> {
+impl TemplateRun<'_> {
     /// Reports the end of the template and writes the output.
     fn conclude(mut self, ended: Result<ScriptEnd, String>) -> TemplateResult {
         let name = self.run.name();
@@ -357,7 +357,7 @@ impl Execution<'_> {
     }
 }
 
-impl Environment for Execution<'_> {
+impl Environment for TemplateRun<'_> {
     fn console(&mut self) -> &mut dyn Console {
         &mut *self.console
     }

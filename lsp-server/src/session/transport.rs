@@ -59,7 +59,7 @@ pub(crate) async fn serve(
     let (answers, outgoing) = unbounded_channel();
     let spelling = Arc::new(Mutex::new(Spelling::default()));
     let (client_gone, gone) = oneshot::channel();
-    let session = Connection {
+    let session = Transport {
         client_gone: Some(client_gone),
         service,
         initialize,
@@ -79,7 +79,7 @@ pub(crate) async fn serve(
     let _ = tokio::time::timeout(FINAL_WRITE_TIMEOUT, writing).await;
 }
 
-struct Connection {
+struct Transport {
     service: LspService<Backend>,
     /// The parameters of `initialize` as JSON. The typed parameters lose capabilities beyond the protocol,
     /// such as clangd's inactive regions.
@@ -94,7 +94,7 @@ struct Connection {
 /// A request in progress, with its answer if it needs one.
 type Call = futures_util::future::BoxFuture<'static, Option<Value>>;
 
-impl Connection {
+impl Transport {
     /// Reads and serves until `exit` or the end of the input. The writer ends with the session.
     async fn run(
         mut self,

@@ -176,7 +176,24 @@ impl Preprocessing {
                     "cannot find '{path}'\n  searched in {searched}; add its directory to the include path"
                 )
             }
-            _ => self.wording().plain(),
+            Self::Unresolved { .. } => self.wording().plain(),
+            _ => self.wording().plain_with_advice(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Preprocessing;
+
+    #[test]
+    fn the_lines_of_the_compiler_keep_the_advice_without_marks() {
+        let redefined = Preprocessing::Redefined { name: "A".into() };
+        assert_eq!(
+            redefined.reference(),
+            "the macro A is defined again with another body; this one is used from here on"
+        );
+        let misspelt = Preprocessing::Misspelt { word: "includ".into(), meant: "include" };
+        assert_eq!(misspelt.reference(), "no directive is called includ; did you mean include?");
     }
 }

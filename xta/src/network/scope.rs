@@ -1,4 +1,4 @@
-//! Symbols and their meaning.
+//! Names and their meaning.
 
 use std::collections::HashMap;
 

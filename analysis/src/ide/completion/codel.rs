@@ -134,6 +134,7 @@ fn states(
     };
     let machine = Machine::around(names, context);
     let mut seen = FxHashSet::default();
+    let mut may_pause = false;
     for state in machine.allowed(context, yields) {
         if state == "ether" || !seen.insert(state) {
             continue;
@@ -149,6 +150,7 @@ fn states(
             out.add(state, kind, plain).definition = definition;
         }
         if yields && !paused && !used(state, true) {
+            may_pause = true;
             out.add(format!("pause::{state}"), kind, pausing).definition = definition;
         }
     }
@@ -156,10 +158,7 @@ fn states(
         out.add("ether", CompletionKind::Symbol(SymbolKind::State), 0).detail =
             Some("ends the machine".into());
     }
-    if yields
-        && !paused
-        && out.items.iter().any(|completion_item| completion_item.label.starts_with("pause::"))
-    {
+    if may_pause {
         out.add("pause::", CompletionKind::Keyword, 3);
     }
     if state_follows {

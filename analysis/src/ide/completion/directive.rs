@@ -170,7 +170,7 @@ pub(super) fn beginning(
     add(all, rank, out);
 }
 
-/// VisibleNames of packages.
+/// Names of packages.
 pub(super) fn packages(view: &FileView<'_>, out: &mut Completions) {
     for package_name in view.db.loader().package_names() {
         out.add(package_name, CompletionKind::Package, 0);
@@ -185,7 +185,7 @@ pub(super) fn macros(view: &FileView<'_>, at: usize, rank: u8, out: &mut Complet
     add(all, rank, out);
 }
 
-/// VisibleNames of include guards: files of the unit begin with `#ifndef` and `#define` of them.
+/// Names of include guards: files of the unit begin with `#ifndef` and `#define` of them.
 fn guards(view: &FileView<'_>) -> FxHashSet<String> {
     let files = crate::unit::files(view.db, view.unit);
     let guard = |file: crate::base::SourceFile| {
@@ -224,7 +224,7 @@ fn add(all: Vec<(String, String)>, rank: u8, out: &mut Completions) {
     }
 }
 
-/// VisibleNames and definitions of the macros defined at an offset.
+/// Names and definitions of the macros defined at an offset.
 fn defined(view: &FileView<'_>, at: usize) -> Vec<(String, String)> {
     let Some((visit, _)) = serving_visit(view.db, view.unit, view.file) else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! VisibleNames in scope: types, constants, the parts of the component around the cursor.
+//! Names in scope: types, constants, the parts of the component around the cursor.
 
 mod interfaces;
 mod values;
@@ -285,7 +285,7 @@ impl<'a, 'db> VisibleNames<'a, 'db> {
         }
     }
 
-    /// VisibleNames of scopes, after a qualifier in the last words of `before`.
+    /// Names of scopes, after a qualifier in the last words of `before`.
     pub(super) fn scoped(
         &self,
         before: &[Word],

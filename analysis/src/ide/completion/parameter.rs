@@ -457,7 +457,7 @@ fn members(names: &VisibleNames<'_, '_>, ty: Option<TypeId>, out: &mut Completio
     }
 }
 
-/// VisibleNames of the other parameters of the list at the cursor.
+/// Names of the other parameters of the list at the cursor.
 fn used_names(names: &VisibleNames<'_, '_>, context: &Context) -> Vec<SmolStr> {
     let frame = context.top();
     let before = &context.tokens[frame.open + 1..frame.start];

@@ -1,4 +1,4 @@
-//! VisibleNames of codels in the pattern of the component's other codels.
+//! Names of codels in the pattern of the component's other codels.
 
 use rustc_hash::FxHashMap;
 

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use dotgen_analysis::release::{Change, Release};
 
-use super::{Execution, Reply};
+use super::{Reply, TemplateRun};
 use crate::frontend::ParseFailure;
 use crate::lang::{LangError, Language, MapObject, Mapper, NoPlaces, PassingMode, text};
 use crate::template::api::{self, Answer};
@@ -12,7 +12,7 @@ use crate::template::model::Model;
 use crate::template::object::{Object, Registry};
 use crate::template::{Failure, notice_of, readable_files, tcl};
 
-impl Execution<'_> {
+impl TemplateRun<'_> {
     pub(super) fn query(
         &mut self,
         language: Language,

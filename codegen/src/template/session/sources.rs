@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use super::{Execution, Reply};
+use super::{Reply, TemplateRun};
 use crate::template::api::Answer;
 use crate::template::error_location::{self, Frame, Script};
 use crate::template::output::{Environment, Output, OutputSink, join, posix};
 use crate::template::{Failure, marker, tcl};
 
-impl Execution<'_> {
+impl TemplateRun<'_> {
     /// Translates a source and puts the program in a file; returns its path.
     pub(super) fn translate(&mut self, kind: &str, source: &str) -> Reply {
         let (name, text) = if kind == "file" {

@@ -1,4 +1,4 @@
-//! PartNames and words of certificates.
+//! Names and words of certificates.
 
 use std::collections::HashMap;
 
@@ -8,7 +8,7 @@ use crate::invariants::parts::{Local, Part, PartKind, Parts};
 use crate::property::{Atom, SlotStatus, StatePhase, TaskState};
 use crate::system::{CodelId, TimedSystem, Yield};
 
-/// PartNames of which each is given once.
+/// Names of which each is given once.
 #[derive(Default)]
 pub(super) struct Unique {
     used: HashMap<String, usize>,

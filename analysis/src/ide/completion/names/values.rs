@@ -76,7 +76,7 @@ impl VisibleNames<'_, '_> {
         let spec = self.spec();
         let fits = |item: &CompletionItem| {
             let definition = self.elaborated.definition(item.definition?);
-            // VisibleNames that are only the beginning of a path.
+            // Names that are only the beginning of a path.
             let Some(TypeKind::Const { value, .. }) = definition.ty.map(|ty| &spec.ty(ty).kind)
             else {
                 return Some(!matches!(definition.kind, DefKind::Enumerator));

@@ -1,4 +1,4 @@
-//! BlockNames that a function uses and does not declare, and writes to its constant parameters.
+//! Names that a function uses and does not declare, and writes to its constant parameters.
 
 use rustc_hash::FxHashSet;
 use smol_str::SmolStr;
@@ -16,7 +16,7 @@ pub(super) struct BlockNames {
     declared: FxHashSet<SmolStr>,
     /// Values, in text order.
     used: Vec<(SmolStr, Span)>,
-    /// BlockNames that a macro may declare.
+    /// Names that a macro may declare.
     in_macros: FxHashSet<SmolStr>,
     /// Left sides with one dereference: the pointer, and the whole left side.
     written: Vec<(SmolStr, Span)>,
@@ -126,7 +126,7 @@ impl BlockNames {
         }
     }
 
-    /// BlockNames that are not declared in the function, each at its first use.
+    /// Names that are not declared in the function, each at its first use.
     pub(super) fn free(&self, parameters: &[Parameter]) -> Vec<(SmolStr, Span)> {
         let parameters = parameters.iter().filter_map(|parameter| parameter.name.as_ref());
         let mut known: FxHashSet<&SmolStr> = parameters.collect();
