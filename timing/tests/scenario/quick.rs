@@ -41,6 +41,37 @@ fn the_quick_bound_is_there_at_once() {
     ");
 }
 
+/// The start-up of `slow` executes from 10 to 13 ms, without a core: the first job of `fast` takes 4 ms.
+const STARTS: &str = r#"
+component c {
+  version "1"; lang "c";
+  ids { long a; };
+  task fast {
+    period 10 ms;
+    codel <start> fast_start(inout a) yield pause::start wcet 1 ms;
+  };
+  task calm {
+    period 50 ms;
+    codel <start> calm_start() yield pause::main wcet 9 ms;
+    codel <main> calm_main() yield pause::main wcet 1 ms;
+  };
+  task slow {
+    period 50 ms;
+    codel <start> slow_start(inout a) yield pause::main wcet 3 ms;
+    codel <main> slow_main(inout a) yield pause::main wcet 1 ms;
+  };
+};
+"#;
+
+#[test]
+fn with_one_core_start_ups_delay_the_job_that_has_it_and_jobs_do_not() {
+    insta::assert_snapshot!(bounds(STARTS, "cores 1;"), @r"
+    c.fast 6
+    c.calm 6
+    c.slow 6
+    ");
+}
+
 /// Two tasks with a lock in common, of which one works most of the time.
 const PAIR: &str = r#"
 component pair {
