@@ -30,6 +30,7 @@
 mod cores;
 mod demand;
 mod instances;
+mod latest;
 mod reaction;
 mod rivals;
 mod servers;

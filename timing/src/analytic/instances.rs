@@ -35,7 +35,7 @@ pub(super) fn of_one_job(
     let mut parties = vec![Party::new()];
     for situations in situations {
         let of_client = situations.as_ref()?.iter().map(|(_, under_way)| {
-            let services = under_way.iter().map(|(service, _)| *service);
+            let services = under_way.iter().map(|(service, ..)| *service);
             services.filter(|service| is_own(*service)).collect()
         });
         let of_client = greatest(of_client.collect());

@@ -32,7 +32,7 @@ pub fn reaction_bound(system: &TimedSystem, ways: &[Vec<CodelId>]) -> Option<Tic
         return None;
     }
     let turns = Turns::new(system, &situations(system));
-    let client = ClientWindow { requests: whole_run(system), begins: 0 };
+    let client = ClientWindow::any_time(whole_run(system));
     let tasks = Tasks { system, window: Window::new(&turns, client, None) };
     ways.iter().filter_map(|way| tasks.way(way)).min()
 }

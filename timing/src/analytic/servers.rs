@@ -32,7 +32,9 @@ use crate::system::{
     AutomatonId, CodelId, CodelSet, FOREVER, Machine, ServiceId, TaskId, Ticks, TimedSystem, Yield,
 };
 
+mod control;
 mod cores;
+mod jobs;
 mod turns;
 
 pub(super) use self::cores::longest_wait;
@@ -50,6 +52,12 @@ struct Bound {
     first: Option<u64>,
     /// From the tick of another cycle to its end.
     other: Option<u64>,
+    /// From the beginning of the second cycle to its end, if a tick may have come before.
+    second: Option<u64>,
+}
+
+impl Bound {
+    const LEAST: Bound = Bound { pass: Some(0), first: Some(0), other: Some(0), second: Some(0) };
 }
 
 /// A cycle, or a part of it.
@@ -66,6 +74,8 @@ enum Cycle {
 struct Known {
     /// The earliest beginning of the first cycle.
     begins: u64,
+    /// The latest beginning of the first cycle.
+    latest: Option<u64>,
     /// The first tick that can come after it: no measured job begins earlier.
     next: u64,
     /// The latest end of the first cycle.
@@ -76,6 +86,12 @@ struct Known {
 
 type Knowns = TiVec<TaskId, Known>;
 
+/// What is known of all tasks.
+struct Facts<'f> {
+    bounds: &'f TiVec<TaskId, Bound>,
+    known: &'f Knowns,
+}
+
 /// Returns the known times of each task.
 fn known(system: &TimedSystem, bounds: &TiVec<TaskId, Bound>) -> Knowns {
     let mut out = ti_vec![Known::default(); system.tasks.len()];
@@ -83,13 +99,14 @@ fn known(system: &TimedSystem, bounds: &TiVec<TaskId, Bound>) -> Knowns {
         // The earliest and the latest beginning of a first cycle.
         let (mut begins, mut latest) = (0u64, Some(0u64));
         for &task in &component.tasks {
-            let Bound { pass, first, other } = bounds[task];
+            let Bound { pass, first, other, second } = bounds[task];
             let period = system.tasks[task].period.map(u64::from);
             let first_tick = first_tick(system, task).unwrap_or(0);
             begins = begins.max(first_tick);
             latest = latest.map(|latest| latest.max(first_tick));
             let after = |time: Option<u64>| latest?.checked_add(time?);
             let ends = after(if period.is_some() { first } else { pass });
+            let begins_by = latest;
             latest = after(pass);
             // A task that begins late has an older tick, and the tick of that moment may come after it.
             let next = period.map_or(begins, |period| match begins - first_tick {
@@ -99,18 +116,18 @@ fn known(system: &TimedSystem, bounds: &TiVec<TaskId, Bound>) -> Knowns {
             // A tick that comes during the first cycle is kept.
             let late = || match ends {
                 Some(ends) if ends < next => Some(0),
-                Some(ends) => Some((ends + other? - next).min(first? + other?)),
-                None => Some(first? + other?),
+                Some(ends) => Some((ends + second? - next).min(first? + second?)),
+                None => Some(first? + second?),
             };
             let most = || Some(late()?.max(other?)).filter(|&most| Some(most) < period);
-            out[task] = Known { begins, next, ends, after_tick: most() };
+            out[task] = Known { begins, latest: begins_by, next, ends, after_tick: most() };
         }
     }
     out
 }
 
 /// Returns the first tick of a task with a period.
-fn first_tick(system: &TimedSystem, task: TaskId) -> Option<u64> {
+pub(super) fn first_tick(system: &TimedSystem, task: TaskId) -> Option<u64> {
     let task = &system.tasks[task];
     Some(u64::from(if task.delay == 0 { task.period? } else { task.delay }))
 }
@@ -127,14 +144,13 @@ pub(super) fn response_bounds(system: &TimedSystem) -> TiVec<TaskId, Option<Tick
     let situations = situations(system);
     let turns = Turns::new(system, &situations);
     // The length of the windows of the jobs of each task, and the windows.
-    let length = |task: TaskId| system.tasks[task].period.unwrap_or(longest);
+    let length = |task: TaskId| system.tasks[task].period.unwrap_or(longest.saturating_mul(4));
     let of_task = |task: TaskId| -> Vec<Window> {
         let all = windows(system, &situations, length(task)).into_iter();
         all.map(|client| Window::new(&turns, client, Some(length(task)))).collect()
     };
     let all: TiVec<TaskId, Vec<Window>> = system.tasks.keys().map(of_task).collect();
-    let mut bounds: TiVec<TaskId, Bound> =
-        ti_vec![Bound { pass: Some(0), first: Some(0), other: Some(0) }; system.tasks.len()];
+    let mut bounds: TiVec<TaskId, Bound> = ti_vec![Bound::LEAST; system.tasks.len()];
     for _ in 0..ROUNDS {
         let known = known(system, &bounds);
         let next: TiVec<TaskId, Bound> = all
@@ -146,25 +162,32 @@ pub(super) fn response_bounds(system: &TimedSystem) -> TiVec<TaskId, Option<Tick
                         known[task].ends.filter(|_| cycle != Cycle::Other).unwrap_or(u64::MAX);
                     let windows = windows.iter().filter(|window| window.client.begins <= ends);
                     let each = windows.map(|window| {
-                        let bound = window.response(task, cycle, least?, &known)?;
+                        let bound = window.response(task, cycle, least?, &known, None)?;
                         // A longer bound is useless, and is not followed any further.
                         (bound < u64::from(length(task))).then_some(bound)
                     });
                     let each: Option<Vec<u64>> = each.collect();
                     each?.into_iter().max()
                 };
-                let Bound { pass, first, other } = bounds[task];
+                let Bound { pass, first, other, .. } = bounds[task];
+                let other = greatest(Cycle::Other, other);
                 Bound {
                     pass: greatest(Cycle::FirstPass, pass),
                     first: greatest(Cycle::First, first),
-                    other: greatest(Cycle::Other, other),
+                    other,
+                    second: other,
                 }
             })
             .collect();
         if next == bounds {
+            let bounds = jobs::improve(&turns, &situations, &all, bounds);
+            let known = self::known(system, &bounds);
             let bound = |task: TaskId| {
-                known[task].after_tick?;
-                bounds[task].other.and_then(|bound| Ticks::try_from(bound).ok())
+                let Bound { other, second, .. } = bounds[task];
+                let Known { next, ends, after_tick, .. } = known[task];
+                after_tick?;
+                let second = second.filter(|_| ends.is_none_or(|ends| ends >= next));
+                Ticks::try_from(other?.max(second.unwrap_or(0))).ok()
             };
             return system.tasks.keys().map(bound).collect();
         }

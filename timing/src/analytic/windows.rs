@@ -11,6 +11,8 @@ use std::collections::BinaryHeap;
 use rustc_hash::FxHashSet;
 use typed_index_collections::{TiVec, ti_vec};
 
+use super::latest::{Latest, NEVER};
+use super::servers::first_tick;
 use crate::system::{
     Automaton, AutomatonId, Client, ClientAction, ClientStep, ComponentId, Machine, ServiceId,
     Ticks, TimedSystem,
@@ -25,6 +27,15 @@ pub(super) struct ClientWindow {
     pub(super) requests: Requests,
     /// The earliest time at which it can begin, in base units.
     pub(super) begins: u64,
+    /// The latest time at which it can begin.
+    pub(super) until: u64,
+}
+
+impl ClientWindow {
+    /// A window at any time.
+    pub(super) fn any_time(requests: Requests) -> ClientWindow {
+        ClientWindow { requests, begins: 0, until: NEVER }
+    }
 }
 
 /// Number of situations of a client above which its windows are not told apart.
@@ -33,8 +44,8 @@ const MAX_SITUATIONS: usize = 2_000;
 /// Number of windows above which they are not told apart.
 const MAX_WINDOWS: usize = 24;
 
-/// Requests under way: the service and the trackers that follow the request.
-pub(super) type UnderWay = Vec<(ServiceId, Vec<usize>)>;
+/// Requests under way: the service, the trackers that follow the request, and the step that sent it.
+pub(super) type UnderWay = Vec<(ServiceId, Vec<usize>, usize)>;
 
 /// The situations of a client: positions with the requests that can be under way there. `None`: there are too
 /// many.
@@ -47,13 +58,51 @@ pub(super) fn windows(
     situations: &[Situations],
     length: Ticks,
 ) -> Vec<ClientWindow> {
-    let mut out =
-        vec![ClientWindow { requests: ti_vec![Some(0); system.services.len()], begins: 0 }];
-    for (client, situations) in system.clients.iter().zip(situations) {
-        let of_client = of_client(system, client, situations.as_ref(), length);
+    let clients = system.clients.iter().zip(situations);
+    let of_clients = clients
+        .map(|(client, situations)| of_client(system, client, situations.as_ref(), length, None));
+    together(system, of_clients)
+}
+
+/// Returns the windows of a length of each client that begins when its latest times allow it.
+pub(super) fn timed_windows(
+    system: &TimedSystem,
+    situations: &[Situations],
+    length: Ticks,
+    latest: &[Latest],
+) -> Vec<Vec<ClientWindow>> {
+    let clients = system.clients.iter().zip(situations).zip(latest);
+    let windows = clients.map(|((client, situations), latest)| {
+        of_client(system, client, situations.as_ref(), length, Some(latest))
+    });
+    windows.collect()
+}
+
+/// Returns the greatest requests in a window that begins at a time.
+pub(super) fn requests_at(
+    system: &TimedSystem,
+    of_clients: &[Vec<ClientWindow>],
+    time: u64,
+) -> Vec<Requests> {
+    let at = |window: &&ClientWindow| (window.begins..=window.until).contains(&time);
+    let of_clients = of_clients.iter().map(|windows| {
+        let requests = windows.iter().filter(at).map(|window| window.requests.clone());
+        greatest(requests.map(ClientWindow::any_time).collect())
+    });
+    together(system, of_clients).into_iter().map(|window| window.requests).collect()
+}
+
+/// Returns the windows of all clients together.
+fn together(
+    system: &TimedSystem,
+    of_clients: impl Iterator<Item = Vec<ClientWindow>>,
+) -> Vec<ClientWindow> {
+    let mut out = vec![ClientWindow::any_time(ti_vec![Some(0); system.services.len()])];
+    for of_client in of_clients {
         let both = |one: &ClientWindow, other: &ClientWindow| ClientWindow {
             requests: sum(&one.requests, &other.requests),
             begins: one.begins.max(other.begins),
+            until: one.until.min(other.until),
         };
         let all = out.iter().flat_map(|one| of_client.iter().map(move |other| both(one, other)));
         out = greatest(all.collect());
@@ -86,25 +135,23 @@ fn of_client(
     client: &Client,
     situations: Option<&FxHashSet<(usize, UnderWay)>>,
     length: Ticks,
+    latest: Option<&Latest>,
 ) -> Vec<ClientWindow> {
     let Some(situations) = situations else {
-        return vec![ClientWindow { requests: of_whole_run(system, client), begins: 0 }];
+        return vec![ClientWindow::any_time(of_whole_run(system, client))];
     };
     // The delay of a position may be over only after its time.
-    let times = reached(client, &client.first, false);
+    let times = reached(client, &client.first, false, &|service| accepts_from(system, service));
     // The least time from a request to the same request.
     let rounds: Vec<Option<u64>> = (client.steps.iter().enumerate())
-        .map(|(at, step)| reached(client, &step.next, false)[at])
+        .map(|(at, step)| reached(client, &step.next, false, &|_| 0)[at])
         .collect();
     let of_situation = |(at, under_way): &(usize, UnderWay)| {
         let begins = times[*at].unwrap_or(0);
         let mut out = ti_vec![Some(0u32); system.services.len()];
-        for (service, _) in under_way {
-            out[*service] = out[*service].map(|number| number + 1);
-        }
-        let before = ClientWindow { requests: out.clone(), begins };
-        for (step, elapsed) in reached(client, &[*at], true).into_iter().enumerate() {
-            let left = elapsed.and_then(|elapsed| u64::from(length).checked_sub(elapsed));
+        for (step, elapsed) in reached(client, &[*at], true, &|_| 0).into_iter().enumerate() {
+            // A job is over before the end of the window.
+            let left = elapsed.and_then(|elapsed| u64::from(length).checked_sub(elapsed + 1));
             let requests = client.steps.get(step).and_then(ClientStep::requests);
             let (Some(left), Some(service)) = (left, requests) else {
                 continue;
@@ -116,20 +163,60 @@ fn of_client(
             };
             out[service] = out[service].zip(count).map(|(sum, count)| sum + count);
         }
-        // A window that begins long before the end of a delay does not reach it.
-        let delay = match client.steps.get(*at).map(|step| &step.action) {
-            Some(ClientAction::Delay(lower, _)) => lower.saturating_sub(length),
-            _ => 0,
+        // A window that begins long before the client can go on does not reach its next step.
+        let goes_on = match client.steps.get(*at).map(|step| &step.action) {
+            Some(ClientAction::Delay(lower, _)) => begins + u64::from(*lower),
+            Some(ClientAction::Send { service, .. }) => begins.max(accepts_from(system, *service)),
+            _ => begins,
         };
-        [before, ClientWindow { requests: out, begins: begins + u64::from(delay) }]
+        // Requests that are over play no part any more.
+        let over = |step: usize| latest.map_or(NEVER, |latest| latest.over[step]);
+        let left = latest.map_or(NEVER, |latest| latest.left[*at]);
+        let mut ends: Vec<u64> =
+            under_way.iter().map(|request| over(request.2).min(left)).collect();
+        ends.push(left);
+        ends.sort_unstable();
+        ends.dedup();
+        let (mut since, mut windows) = (0, Vec::new());
+        for until in ends {
+            let mut requests = ti_vec![Some(0u32); system.services.len()];
+            for (service, ..) in under_way.iter().filter(|request| over(request.2) >= until) {
+                requests[*service] = requests[*service].map(|number| number + 1);
+            }
+            let begins = begins.max(since);
+            let full = ClientWindow {
+                requests: sum(&requests, &out),
+                begins: begins.max(goes_on.saturating_sub(u64::from(length))),
+                until,
+            };
+            windows.extend([ClientWindow { requests, begins, until }, full]);
+            since = until;
+        }
+        windows
     };
     let mut all: FxHashSet<ClientWindow> = situations.iter().flat_map(of_situation).collect();
+    all.retain(|window| window.begins <= window.until);
     greatest(all.drain().collect())
 }
 
+/// Returns the time before which a component takes no request: with the semantics of the servers, the last of
+/// the first ticks of its tasks.
+fn accepts_from(system: &TimedSystem, service: ServiceId) -> u64 {
+    if system.platform.semantics.is_published() {
+        return 0;
+    }
+    let tasks = system.components[system.services[service].component].tasks.iter();
+    tasks.filter_map(|&task| first_tick(system, task)).max().unwrap_or(0)
+}
+
 /// Returns the least time after which each step, and the end, can be reached from some steps. `over`: their
-/// own delays may be over.
-fn reached(client: &Client, from: &[usize], over: bool) -> Vec<Option<u64>> {
+/// own delays may be over. `accepts`: the time before which a request is not taken.
+fn reached(
+    client: &Client,
+    from: &[usize],
+    over: bool,
+    accepts: &dyn Fn(ServiceId) -> u64,
+) -> Vec<Option<u64>> {
     let mut out: Vec<Option<u64>> = vec![None; client.done() + 1];
     let mut heap: BinaryHeap<Reverse<(u64, bool, usize)>> =
         from.iter().map(|&step| Reverse((0, !over, step))).collect();
@@ -141,11 +228,12 @@ fn reached(client: &Client, from: &[usize], over: bool) -> Vec<Option<u64>> {
         let Some(step) = client.steps.get(at) else {
             continue;
         };
-        let delay = match step.action {
-            ClientAction::Delay(lower, _) if is_ahead => u64::from(lower),
-            _ => 0,
+        let left = match step.action {
+            ClientAction::Delay(lower, _) if is_ahead => time + u64::from(lower),
+            ClientAction::Send { service, .. } => time.max(accepts(service)),
+            _ => time,
         };
-        heap.extend(step.next.iter().map(|&next| Reverse((time + delay, true, next))));
+        heap.extend(step.next.iter().map(|&next| Reverse((left, true, next))));
     }
     out
 }
@@ -170,16 +258,19 @@ fn situations_of(system: &TimedSystem, client: &Client) -> Situations {
         match step.action {
             ClientAction::Send { service, ref trackers, .. } => {
                 let component = system.services[service].component;
-                after.retain(|(other, _)| {
+                after.retain(|(other, ..)| {
                     let other = &system.services[*other];
                     other.activity || other.component != component
                 });
-                for (_, known) in &mut after {
+                for (_, known, _) in &mut after {
                     known.retain(|tracker| !trackers.contains(tracker));
                 }
                 let already = after.iter().filter(|entry| entry.0 == service).count();
                 if already < places(system, service) {
-                    after.push((service, trackers.clone()));
+                    after.push((service, trackers.clone(), at));
+                } else {
+                    // It has the place of one that is over, or is refused.
+                    after.iter_mut().filter(|entry| entry.0 == service).for_each(|one| one.2 = at);
                 }
                 after.sort_unstable();
             }
@@ -219,8 +310,8 @@ pub(super) fn stops(system: &TimedSystem, situations: &[Situations]) -> TiVec<Au
         let own = &requested[number];
         if let Some(all) = situations {
             for (_, under_way) in all {
-                for (at, (one, _)) in under_way.iter().enumerate() {
-                    under_way[at + 1..].iter().for_each(|(other, _)| meet(*one, *other));
+                for (at, (one, ..)) in under_way.iter().enumerate() {
+                    under_way[at + 1..].iter().for_each(|(other, ..)| meet(*one, *other));
                 }
             }
         } else {
@@ -285,7 +376,8 @@ fn hull(all: &[ClientWindow]) -> ClientWindow {
         counts.map(|counts| counts.into_iter().max().unwrap_or(0))
     });
     let begins = all.iter().map(|window| window.begins).min().unwrap_or(0);
-    ClientWindow { requests: requests.collect(), begins }
+    let until = all.iter().map(|window| window.until).max().unwrap_or(NEVER);
+    ClientWindow { requests: requests.collect(), begins, until }
 }
 
 /// Leaves out the windows for which another one counts.
@@ -293,6 +385,7 @@ fn greatest(mut all: Vec<ClientWindow>) -> Vec<ClientWindow> {
     let within = |one: &ClientWindow, other: &ClientWindow| {
         let mut pairs = one.requests.iter().zip(&other.requests);
         other.begins <= one.begins
+            && one.until <= other.until
             && pairs
                 .all(|(one, other)| other.is_none() || one.is_some_and(|one| Some(one) <= *other))
     };

@@ -29,6 +29,7 @@
 
 use std::cmp::Reverse;
 
+use super::jobs::Single;
 use super::{Cycle, Known, Knowns, Window, executed_once, first_tick};
 use crate::system::{CodelId, ComponentId, Policy, TaskId};
 
@@ -42,11 +43,27 @@ struct Rival {
 
 /// A job that waits for a core.
 #[derive(Clone, Copy)]
-struct Waiting {
+struct Waiting<'j> {
     task: TaskId,
     cycle: Cycle,
     /// Length of the window.
     window: u64,
+    /// The only job, if it is not any job.
+    single: Option<Single<'j>>,
+}
+
+/// The work of another task, given the tick of the job that waits.
+struct Phase {
+    /// The work of the only cycle that can be ahead under `fifo`.
+    ahead: u64,
+    /// The work of the cycle under way when the window begins.
+    carried: u64,
+    /// Number of other ticks whose cycles play a part.
+    later: u64,
+    /// Number of later ticks with a deadline that is not later than that of the job.
+    before: u64,
+    /// The cycle of the last tick has a later deadline than the job, if that is known.
+    goes_after: Option<bool>,
 }
 
 impl Window<'_> {
@@ -58,6 +75,7 @@ impl Window<'_> {
         cycle: Cycle,
         least: u64,
         known: &Knowns,
+        single: Option<Single>,
     ) -> Option<u64> {
         let length = u64::from(self.length(task, cycle, Some(known), &|_| true)?);
         let platform = &self.system.platform;
@@ -69,7 +87,8 @@ impl Window<'_> {
             Policy::Priority | Policy::Fair => least.max(length),
             Policy::Fifo | Policy::Edf | Policy::Any => least.saturating_sub(length),
         };
-        let response = self.with_core_wait(Waiting { task, cycle, window }, length, known)?;
+        let response =
+            self.with_core_wait(Waiting { task, cycle, window, single }, length, known)?;
         Some(least.max(response))
     }
 
@@ -130,6 +149,10 @@ impl Window<'_> {
         match (period(job.task), period(other), known[other].after_tick) {
             (Some(_), None, _) => true,
             (Some(own), Some(period), Some(response)) => {
+                let phase = self.phase(other, job, (0, 0), known);
+                if let Some(after) = phase.and_then(|phase| phase.goes_after) {
+                    return after;
+                }
                 let first_tick = first_tick(self.system, other).unwrap_or(0);
                 let first = if self.is_started(other, job.task, job.cycle, known) {
                     Some(0)
@@ -209,7 +232,7 @@ impl Window<'_> {
         rivals
     }
 
-    fn control_work(&self, component: ComponentId) -> Option<u64> {
+    pub(super) fn control_work(&self, component: ComponentId) -> Option<u64> {
         let services = self.system.components[component].services.iter();
         let each = services.map(|&service| {
             let times = self.control_codels(service);
@@ -237,6 +260,9 @@ impl Window<'_> {
         waits_for: &dyn Fn(usize) -> bool,
     ) -> Option<u64> {
         let system = self.system;
+        if job.single.is_some_and(|single| known[other].begins > single.to + job.window) {
+            return Some(0);
+        }
         // A task that waits for a lock keeps its core, unless it can lose the core.
         let waits_for = |thread: usize| !system.preempts() && waits_for(thread);
         let is_started = self.is_started(other, job.task, job.cycle, known);
@@ -245,9 +271,17 @@ impl Window<'_> {
         };
         let cycle = |of| Some(u64::from(self.length(other, of, Some(known), &waits_for)?));
         let each = cycle(Cycle::Other)?;
-        let Known { begins, next, ends, after_tick } = known[other];
+        let Known { begins, next, ends, after_tick, .. } = known[other];
         let starts = !is_started;
         let first = if starts { cycle(Cycle::First)? } else { 0 };
+        let phased = self.phase(other, job, (first, each), known).and_then(|phase| {
+            let later = match system.platform.policy {
+                Policy::Fifo => return Some(phase.ahead),
+                Policy::Edf => phase.before,
+                Policy::Any | Policy::Priority | Policy::Fair => phase.later,
+            };
+            each.checked_mul(later)?.checked_add(phase.carried)
+        });
         let is_later = system.tasks[job.task].period.is_some_and(|own| period >= u64::from(own));
         let window = job.window;
         // Each cycle has a tick of its own, at most its response time before its end. That of the first cycle
@@ -257,7 +291,7 @@ impl Window<'_> {
             let count = (window + response.max(of_first)).div_ceil(period);
             each.checked_mul(count.saturating_sub(1))?.checked_add(each.max(first))
         };
-        match (system.platform.policy, after_tick) {
+        let at_any_time = match (system.platform.policy, after_tick) {
             (Policy::Fifo, _) => Some(each.max(first)),
             (Policy::Edf, None) if is_later => each.max(first).checked_mul(2),
             (Policy::Edf, Some(response)) if is_later => {
@@ -274,7 +308,52 @@ impl Window<'_> {
                 let start = if starts { first.checked_add(each.checked_mul(count)?)? } else { 0 };
                 of_ticks(response).into_iter().chain([usual.max(start)]).min()
             }
+        };
+        phased.into_iter().chain(at_any_time).min()
+    }
+
+    /// Returns the work of another task that meets its deadlines, if the time of the job is known. `first` and
+    /// `each` are the greatest work in the first cycle and in another one.
+    fn phase(
+        &self,
+        other: TaskId,
+        job: Waiting,
+        (first, each): (u64, u64),
+        known: &Knowns,
+    ) -> Option<Phase> {
+        let Single { jobs, from, to } = job.single?;
+        let period = u64::from(self.system.tasks[other].period?);
+        let first_tick = first_tick(self.system, other)?;
+        let Known { next, ends, after_tick, .. } = known[other];
+        let is_started = ends.is_some_and(|ends| ends <= from);
+        if from < to || !is_started {
+            let response = after_tick?;
+            let ticks =
+                |time: u64| time.checked_sub(first_tick).map_or(0, |time| time / period + 1);
+            let over = from.checked_sub(response).map_or(0, ticks);
+            let over = if is_started { over } else { over.max(ticks(next - 1)) };
+            let start = if is_started { 0 } else { first };
+            let (ahead, later) = (ticks(to) - over.min(ticks(to)), ticks(to + job.window));
+            return Some(Phase {
+                ahead: start.max(if ahead > 0 { each } else { 0 }),
+                carried: start,
+                later: later.saturating_sub(over),
+                before: later.saturating_sub(over),
+                goes_after: None,
+            });
         }
+        let own = u64::from(self.system.tasks[job.task].period?);
+        let last = first_tick + from.checked_sub(first_tick)? / period * period;
+        let left = (last + jobs.after_tick(other, last, from, known)?).saturating_sub(from);
+        let later = (from + job.window - last) / period;
+        let before = (from + own).checked_sub(last + period);
+        Some(Phase {
+            ahead: each.min(left),
+            carried: each.min(left),
+            later,
+            before: before.map_or(0, |before| (before / period).min(later)),
+            goes_after: Some(last + period > from + own),
+        })
     }
 
     /// Returns true if the start-up of another task is over before a job of a task begins.
@@ -293,7 +372,7 @@ impl Window<'_> {
 
     /// Returns the greatest time for which an aperiodic task executes codels in the window, or waits for
     /// certain threads; `None` if it can execute a codel again and again.
-    fn work_in_window(
+    pub(super) fn work_in_window(
         &self,
         task: TaskId,
         is_started: bool,
