@@ -25,7 +25,7 @@ const STAGES: [(Option<usize>, usize); 4] =
 const SHARE: usize = 4;
 
 /// Limit on the actions that look for response times as long as their bounds.
-const ACTIONS: u64 = 1_000_000;
+const ACTIONS: u64 = 3_000_000;
 
 /// Limit on the actions that look for missed deadlines before schedule abstraction, which may take long to
 /// find that it cannot tell.

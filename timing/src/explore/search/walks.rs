@@ -31,6 +31,12 @@ const ACTIONS_OF_WALK: u64 = 2_000;
 /// Upper limit on the actions for one response time.
 const ACTIONS_OF_RESPONSE: u64 = 150_000;
 
+/// Upper limit on the actions for one deadline.
+const ACTIONS_OF_DEADLINE: u64 = 800_000;
+
+/// Number of actions after which a deadline that is missed is not looked at any longer.
+const ACTIONS_IF_MISSED: u64 = 25_000;
+
 /// Numbers of jobs before the end of a walk after which its end is varied.
 const VARIED_JOBS: [usize; 3] = [2, 3, 5];
 
@@ -88,7 +94,9 @@ pub fn walk(system: &TimedSystem, watch: &Watch, actions: u64, cancel: &Cancel) 
     for (number, response) in watch.response.iter().enumerate() {
         let deadline = (number + deadlines).checked_sub(count);
         let aim = Aim { gauge: number, deadline, task: response.task.into(), most: response.most };
-        walks.look_for(aim, (actions / count as u64).min(ACTIONS_OF_RESPONSE));
+        let most = deadline.map_or(ACTIONS_OF_RESPONSE, |_| ACTIONS_OF_DEADLINE);
+        let left = actions.saturating_sub(walks.actions) / (count - number) as u64;
+        walks.look_for(aim, left.min(most));
     }
     let actions = walks.actions;
     let response = walks.best.into_iter().take(count - deadlines);
@@ -113,6 +121,14 @@ struct Aim {
     task: usize,
     /// The response time that ends the search.
     most: Option<Ticks>,
+}
+
+/// The numbers of actions, of all walks, at which a search ends.
+#[derive(Clone, Copy)]
+struct ActionLimits {
+    until: u64,
+    /// If the deadline is missed in a run.
+    if_missed: u64,
 }
 
 /// The preferences of a walk.
@@ -213,16 +229,19 @@ struct Walks<'a> {
 
 impl Walks<'_> {
     fn look_for(&mut self, aim: Aim, actions: u64) {
-        let until = self.actions + actions;
+        let limits = ActionLimits {
+            until: self.actions + actions,
+            if_missed: self.actions + actions.min(ACTIONS_IF_MISSED),
+        };
         let mut number = 0;
         let start = Position { s: self.observations.initial(), now: 0, steps: 0 };
-        while !self.is_over(aim, until) {
+        while !self.is_over(aim, limits) {
             let before = self.longest(aim);
             let actions = ACTIONS_OF_WALK << (number / 5 % 3);
-            let releases = self.walk(&start, aim, number, actions.min(until - self.actions));
+            let releases = self.walk(&start, aim, number, actions.min(limits.until - self.actions));
             number += 1;
             if self.longest(aim) > before {
-                self.vary(&releases, aim, until);
+                self.vary(&releases, aim, limits);
             }
         }
     }
@@ -232,13 +251,15 @@ impl Walks<'_> {
         self.best[aim.gauge].as_ref().map(|best| best.0)
     }
 
-    fn is_over(&self, aim: Aim, until: u64) -> bool {
+    fn is_over(&self, aim: Aim, limits: ActionLimits) -> bool {
         let reached = aim.most.is_some_and(|most| self.longest(aim) >= Some(most));
+        let is_missed = aim.deadline.is_some_and(|deadline| self.missed[deadline].is_some());
+        let until = if is_missed { limits.if_missed } else { limits.until };
         reached || self.actions >= until || self.cancel.is_over()
     }
 
     /// Varies the end of the last walk, from the job before the one with the longest response time on.
-    fn vary(&mut self, releases: &[Position], aim: Aim, until: u64) {
+    fn vary(&mut self, releases: &[Position], aim: Aim, limits: ActionLimits) {
         let Some(longest) = self.observations.seen.longest[aim.gauge] else {
             return;
         };
@@ -254,8 +275,8 @@ impl Walks<'_> {
             let length = (longest.at.parent - position.steps) as u64 * 3 + 10;
             let mut fruitless = 0;
             let mut variant = 1_000;
-            while fruitless < VARIANTS && !self.is_over(aim, until) {
-                self.walk(position, aim, variant, length.min(until - self.actions));
+            while fruitless < VARIANTS && !self.is_over(aim, limits) {
+                self.walk(position, aim, variant, length.min(limits.until - self.actions));
                 variant += 1;
                 fruitless += 1;
                 let found =
