@@ -27,6 +27,7 @@
 use typed_index_collections::{TiVec, ti_vec};
 
 use super::instances::Party;
+use super::ways::resumed;
 use super::windows::{ClientWindow, situations, windows};
 use crate::system::{
     AutomatonId, CodelId, CodelSet, FOREVER, Machine, ServiceId, TaskId, Ticks, TimedSystem, Yield,
@@ -209,9 +210,9 @@ enum Way {
     /// Before each codel of the cycle, the longest one.
     Each,
     /// So, but those that the thread executes a limited number of times count with this time in all.
-    Unlimited(Ticks),
+    Unlimited(u64),
     /// With this time in all.
-    Together(Ticks),
+    Together(u64),
 }
 
 /// A codel that a thread can execute in a window.
@@ -411,6 +412,17 @@ impl<'s> Window<'s> {
         known: Option<&Knowns>,
         counts: &dyn Fn(usize) -> bool,
     ) -> Option<Ticks> {
+        let length = self.lengths((task, cycle, 1), known, counts)?;
+        Ticks::try_from(length).ok().filter(|length| *length < FOREVER / 4)
+    }
+
+    /// Returns the longest time of some cycles in the window, together.
+    fn lengths(
+        &self,
+        (task, cycle, number): (TaskId, Cycle, u64),
+        known: Option<&Knowns>,
+        counts: &dyn Fn(usize) -> bool,
+    ) -> Option<u64> {
         // Later tasks, and the control task, begin after the first pass.
         let permanent = self.system.tasks[task].permanent.filter(|_| cycle != Cycle::Other);
         let start = permanent.map(|automaton| {
@@ -430,14 +442,16 @@ impl<'s> Window<'s> {
             let mut all = threads.iter().map(|&thread| before(codel, thread, &|_| true));
             all.try_fold(self.upper(codel)?, Ticks::checked_add)
         };
-        let each = self.work(task, cycle, &each);
+        let works = |time: &dyn Fn(CodelId) -> Option<Ticks>| self.works(task, cycle, number, time);
+        let each = works(&each);
         // Each thread counts in the way in which its codels take least.
         let ways = threads.iter().map(|&thread| {
             let work = |counts: &dyn Fn(&Rival) -> bool| {
-                self.work(task, cycle, &|codel| Some(before(codel, thread, counts)))
+                works(&|codel| Some(before(codel, thread, counts)))
             };
-            let limited = self.time_of_limited(task, thread);
+            let limited = self.time_of_limited(task, thread).map(u64::from);
             let cycles = known.and_then(|known| self.time_in_cycles(task, cycle, thread, known));
+            let cycles = cycles.and_then(|time| number.checked_mul(u64::from(time)));
             let ways = [
                 (work(&|_| true), Way::Each),
                 (
@@ -448,7 +462,7 @@ impl<'s> Window<'s> {
             ];
             ways.into_iter().filter_map(|(time, way)| Some((time?, way))).min_by_key(|way| way.0)
         });
-        let ways: Option<Vec<(Ticks, Way)>> = ways.collect();
+        let ways: Option<Vec<(u64, Way)>> = ways.collect();
         let together = ways.and_then(|ways| {
             let time = |codel: CodelId| {
                 let mut all = threads.iter().zip(&ways).map(|(&thread, (_, way))| match way {
@@ -462,9 +476,9 @@ impl<'s> Window<'s> {
                 Way::Each => 0,
                 Way::Unlimited(time) | Way::Together(time) => time,
             });
-            once.into_iter().try_fold(self.work(task, cycle, &time)?, Ticks::checked_add)
+            once.into_iter().try_fold(works(&time)?, u64::checked_add)
         });
-        each.into_iter().chain(together).min().filter(|length| *length < FOREVER / 4)
+        each.into_iter().chain(together).min()
     }
 
     /// Returns the greatest time of a thread in those codels for which a task can wait, and that it executes
@@ -503,12 +517,38 @@ impl<'s> Window<'s> {
             Some(rival) if rival.plays_part(thread, task) => self.upper(codel),
             _ => Some(0),
         };
-        let each = self.work(other, Cycle::Other, &time)?;
-        each.checked_mul(Ticks::try_from(cycles).ok()?)
+        Ticks::try_from(self.works(other, Cycle::Other, cycles, &time)?).ok()
     }
 
     fn upper(&self, codel: CodelId) -> Option<Ticks> {
         Some(self.system.codels[codel].upper).filter(|&upper| upper != FOREVER)
+    }
+
+    /// Returns the longest time of the codels of some cycles in the window, with this time for each.
+    fn works(
+        &self,
+        task: TaskId,
+        cycle: Cycle,
+        number: u64,
+        time: &dyn Fn(CodelId) -> Option<Ticks>,
+    ) -> Option<u64> {
+        let each = u64::from(self.work(task, cycle, time)?).checked_mul(number);
+        if number < 2 || cycle != Cycle::Other {
+            return each;
+        }
+        // An activity that does not pause belongs to one cycle.
+        let slots = self.system.tasks[task].slots.iter();
+        let (again, once): (Vec<AutomatonId>, Vec<AutomatonId>) =
+            slots.partition(|&&slot| resumed(self.system.machine_of(slot)).next().is_some());
+        let once = once.iter().try_fold(0u64, |sum, &slot| {
+            let service = self.system.automata[slot].service?;
+            let often = u64::from(self.client.requests[service]?);
+            let time = u64::from(self.turns.longest(slot, cycle, time)?);
+            sum.checked_add(time.checked_mul(often)?)
+        });
+        let again = self.work_of(task, cycle, time, &|slot| again.contains(&slot))?;
+        let apart = once.and_then(|once| u64::from(again).checked_mul(number)?.checked_add(once));
+        each.into_iter().chain(apart).min()
     }
 
     /// Returns the longest time of the codels of a cycle, with this time for each.
@@ -517,6 +557,17 @@ impl<'s> Window<'s> {
         task: TaskId,
         cycle: Cycle,
         time: &dyn Fn(CodelId) -> Option<Ticks>,
+    ) -> Option<Ticks> {
+        self.work_of(task, cycle, time, &|_| true)
+    }
+
+    /// Returns the longest time of the codels of a cycle that only begins or resumes certain activities.
+    fn work_of(
+        &self,
+        task: TaskId,
+        cycle: Cycle,
+        time: &dyn Fn(CodelId) -> Option<Ticks>,
+        counts: &dyn Fn(AutomatonId) -> bool,
     ) -> Option<Ticks> {
         let definition = &self.system.tasks[task];
         let mut length = 0;
@@ -530,7 +581,7 @@ impl<'s> Window<'s> {
         }
         // By service: the greatest number of instances, and the time of each.
         let mut instances: Vec<(ServiceId, u32, Ticks)> = Vec::new();
-        for &automaton in &definition.slots {
+        for &automaton in definition.slots.iter().filter(|&&automaton| counts(automaton)) {
             let Some(service) = self.system.automata[automaton].service else {
                 continue;
             };

@@ -271,6 +271,8 @@ impl Window<'_> {
         };
         let cycle = |of| Some(u64::from(self.length(other, of, Some(known), &waits_for)?));
         let each = cycle(Cycle::Other)?;
+        let cycles =
+            |number| self.lengths((other, Cycle::Other, number), Some(known), &waits_for);
         let Known { begins, next, ends, after_tick, .. } = known[other];
         let starts = !is_started;
         let first = if starts { cycle(Cycle::First)? } else { 0 };
@@ -280,7 +282,7 @@ impl Window<'_> {
                 Policy::Edf => phase.before,
                 Policy::Any | Policy::Priority | Policy::Fair => phase.later,
             };
-            each.checked_mul(later)?.checked_add(phase.carried)
+            cycles(later)?.checked_add(phase.carried)
         });
         let is_later = system.tasks[job.task].period.is_some_and(|own| period >= u64::from(own));
         let window = job.window;
@@ -289,7 +291,7 @@ impl Window<'_> {
         let of_ticks = |response: u64| {
             let of_first = if starts { (ends? + period).saturating_sub(next) } else { 0 };
             let count = (window + response.max(of_first)).div_ceil(period);
-            each.checked_mul(count.saturating_sub(1))?.checked_add(each.max(first))
+            cycles(count.saturating_sub(1))?.checked_add(each.max(first))
         };
         let at_any_time = match (system.platform.policy, after_tick) {
             (Policy::Fifo, _) => Some(each.max(first)),
@@ -297,15 +299,15 @@ impl Window<'_> {
             (Policy::Edf, Some(response)) if is_later => {
                 first.checked_add(each).into_iter().chain(of_ticks(response)).min()
             }
-            (_, None) => each.max(first).checked_mul(window / period + 3),
+            (_, None) => cycles(window / period + 3)?.checked_add(first),
             (_, Some(response)) => {
-                let usual = each.checked_mul((window + response).div_ceil(period))?;
+                let usual = cycles((window + response).div_ceil(period))?;
                 // The ticks from the beginning of the first cycle to the end of the window.
                 let count = match ends {
                     Some(ends) => (ends + window).saturating_sub(begins).div_ceil(period),
                     None => window / period + 2,
                 };
-                let start = if starts { first.checked_add(each.checked_mul(count)?)? } else { 0 };
+                let start = if starts { first.checked_add(cycles(count)?)? } else { 0 };
                 of_ticks(response).into_iter().chain([usual.max(start)]).min()
             }
         };
@@ -324,21 +326,33 @@ impl Window<'_> {
         let Single { jobs, from, to } = job.single?;
         let period = u64::from(self.system.tasks[other].period?);
         let first_tick = first_tick(self.system, other)?;
-        let Known { next, ends, after_tick, .. } = known[other];
+        let Known { begins, next, ends, after_tick, .. } = known[other];
         let is_started = ends.is_some_and(|ends| ends <= from);
+        let ticks = |time: u64| time.checked_sub(first_tick).map_or(0, |time| time / period + 1);
+        let until = ticks(to + job.window);
+        let Some(response) = after_tick else {
+            // A flag is raised by each tick, and at most one has been raised before.
+            let before = if begins < from { ticks(from - 1).saturating_sub(1) } else { ticks(begins) };
+            let under_way = match (begins < from, is_started) {
+                (true, true) => each,
+                (true, false) => each.max(first),
+                (false, _) => first,
+            };
+            let later = until.saturating_sub(before);
+            let ahead = each.max(first);
+            return Some(Phase { ahead, carried: under_way, later, before: later, goes_after: None });
+        };
         if from < to || !is_started {
-            let response = after_tick?;
-            let ticks =
-                |time: u64| time.checked_sub(first_tick).map_or(0, |time| time / period + 1);
             let over = from.checked_sub(response).map_or(0, ticks);
             let over = if is_started { over } else { over.max(ticks(next - 1)) };
             let start = if is_started { 0 } else { first };
-            let (ahead, later) = (ticks(to) - over.min(ticks(to)), ticks(to + job.window));
+            let ahead = if ticks(to) > over { each } else { 0 };
+            let later = until.saturating_sub(over);
             return Some(Phase {
-                ahead: start.max(if ahead > 0 { each } else { 0 }),
+                ahead: start.max(ahead),
                 carried: start,
-                later: later.saturating_sub(over),
-                before: later.saturating_sub(over),
+                later,
+                before: later,
                 goes_after: None,
             });
         }
