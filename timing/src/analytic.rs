@@ -46,7 +46,7 @@ pub use self::reaction::reaction_bound;
 use self::rivals::{Rivals, excluded};
 use self::ways::{Ways, resumed};
 use self::windows::{Requests, Situations, situations, whole_run, windows};
-use crate::scn::semantics::Semantics;
+use crate::scn::semantics::{Cycle, Semantics};
 use crate::system::{
     AutomatonId, CodelId, CodelSet, FOREVER, ServiceId, TaskId, Ticks, TimedSystem,
 };
@@ -55,7 +55,7 @@ use crate::system::{
 /// semantics of the servers other things delay a job, and a separate method applies (see `servers`). If
 /// single points of the semantics are changed, there are no bounds.
 pub fn response_bounds(system: &TimedSystem) -> TiVec<TaskId, Option<Ticks>> {
-    if !system.platform.semantics.is_published() {
+    if system.platform.semantics.fixed().cycle == Cycle::Passes {
         // A client of `abort`, `kill` or `connect` causes `stop` codels, and stops the queue, at any time.
         let plain = !system.has_builtin(|_| true);
         let queued = system.platform.semantics == Semantics::SERVERS && plain;

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use dotgen_analysis::model::Seconds;
 use dotgen_timing::explore::Action;
 use dotgen_timing::report::TimeUnit;
+use dotgen_timing::scn::semantics::Cycle;
 use dotgen_timing::system::indexed::Built;
 use dotgen_timing::system::{
     AutomatonId, ClientAction, ClientId, ClientStep, CodelId, ComponentId, FOREVER, Machine,
@@ -140,7 +141,7 @@ impl<'s> Layout<'s> {
         let mut clients = Vec::new();
         let mut automata = Vec::new();
         for (id, automaton) in system.automata.iter_enumerated() {
-            if system.platform.semantics.is_published() {
+            if system.platform.semantics.fixed().cycle == Cycle::Jobs {
                 let name = &system.machine_of(id).name;
                 let what = match automaton.service {
                     Some(_) => format!("a place of `{name}`"),
@@ -156,7 +157,7 @@ impl<'s> Layout<'s> {
             system,
             original,
             place,
-            jobs: system.platform.semantics.is_published(),
+            jobs: system.platform.semantics.fixed().cycle == Cycle::Jobs,
             parts,
             executors: vec![Vec::new(); system.codels.len()],
             automata,

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use dotgen_timing::property::predicate::Atom;
-use dotgen_timing::scn::semantics::{LockRule, Semantics};
+use dotgen_timing::scn::semantics::{Cycle, LockRule, Semantics};
 use dotgen_timing::system::{ClientAction, Policy};
 use dotgen_timing::verify::Prepared;
 
@@ -44,7 +44,7 @@ pub(super) fn of_system(prepared: &Prepared) -> Vec<Refusal> {
     }
     let (own, servers) = (system.platform.semantics, Semantics::SERVERS);
     let is_servers = Semantics { preset: servers.preset, ports: servers.ports, ..own } == servers;
-    let is_published = own.is_published() && own.locks == LockRule::Free;
+    let is_published = own.fixed().cycle == Cycle::Jobs && own.locks == LockRule::Free;
     if !is_servers && !is_published {
         out.push(Refusal::new(&format!("semantics {}", own.text()), None));
     }

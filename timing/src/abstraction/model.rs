@@ -8,8 +8,7 @@ use super::order::{chain, first_tick};
 use super::others::{Interference, OtherThread, interference, others, waits};
 use super::refusal::Refusal;
 use super::thread::{Start, Thread};
-use crate::scn::semantics::LockRule;
-use crate::scn::semantics::Semantics;
+use crate::scn::semantics::{Cycle, LockRule, Semantics};
 use crate::system::{
     CodelId, CodelSet, FOREVER, Machine, Policy, TaskId, Ticks, TimedSystem, Yield,
     pauseless_cycles,
@@ -60,7 +59,7 @@ pub(super) fn models<'s>(
 ) -> Result<Vec<Part<'s>>, Refusal> {
     let platform = &system.platform;
     let servers = platform.semantics == Semantics::SERVERS;
-    if !servers && !platform.semantics.is_published() {
+    if !servers && platform.semantics.fixed().cycle == Cycle::Passes {
         return Err(Refusal::Semantics);
     }
     let asked = system.requested().contains(&true);

@@ -3,6 +3,7 @@
 use rustc_hash::FxHashSet;
 
 use super::windows::Situations;
+use crate::scn::semantics::Cycle;
 use crate::system::{ServiceId, TaskId, TimedSystem};
 
 /// Number of combinations of activities of a task above which they are not told apart.
@@ -23,9 +24,9 @@ pub(super) fn of_one_job(
     situations: &[Situations],
     task: TaskId,
 ) -> Option<Vec<Party>> {
-    let is_published = system.platform.semantics.is_published();
+    let has_jobs = system.platform.semantics.fixed().cycle == Cycle::Jobs;
     // An activity with threads of its own frees its slot at its end, independently of jobs.
-    if system.runs_apart(task) || !is_published && system.tasks[task].period.is_none() {
+    if system.runs_apart(task) || !has_jobs && system.tasks[task].period.is_none() {
         return None;
     }
     let is_own = |service: ServiceId| {

@@ -13,6 +13,7 @@ use typed_index_collections::{TiVec, ti_vec};
 
 use super::latest::{Latest, NEVER};
 use super::servers::first_tick;
+use crate::scn::semantics::{Slots, StartUp};
 use crate::system::{
     Automaton, AutomatonId, Client, ClientAction, ClientStep, ComponentId, Machine, ServiceId,
     Ticks, TimedSystem,
@@ -202,7 +203,7 @@ fn of_client(
 /// Returns the time before which a component takes no request: with the semantics of the servers, the last of
 /// the first ticks of its tasks.
 fn accepts_from(system: &TimedSystem, service: ServiceId) -> u64 {
-    if system.platform.semantics.is_published() {
+    if system.platform.semantics.fixed().start_up == StartUp::FirstCodel {
         return 0;
     }
     let tasks = system.components[system.services[service].component].tasks.iter();
@@ -352,7 +353,7 @@ fn pairs<'r>(
 fn places(system: &TimedSystem, service: ServiceId) -> usize {
     let slots = &system.services[service].slots;
     match slots.first() {
-        Some(&slot) if !system.platform.semantics.is_published() => {
+        Some(&slot) if system.platform.semantics.fixed().slots == Slots::OfTask => {
             system.tasks[system.automata[slot].task].places as usize
         }
         Some(_) => slots.len(),

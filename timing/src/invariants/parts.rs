@@ -5,7 +5,7 @@ mod steps;
 use typed_index_collections::TiVec;
 
 use crate::property::{Atom, SlotStatus, StatePhase, TaskState};
-use crate::scn::semantics::TickRule;
+use crate::scn::semantics::{Cycle, TickRule};
 use crate::system::{
     AutomatonId, ClientId, CodelId, ComponentId, MachineId, Policy, ServiceId, TaskId, TimedSystem,
 };
@@ -88,7 +88,7 @@ pub(super) struct Parts<'s> {
 impl<'s> Parts<'s> {
     /// Returns the parts of a system.
     pub(super) fn of(system: &'s TimedSystem) -> Self {
-        let jobs = system.platform.semantics.is_published();
+        let jobs = system.platform.semantics.fixed().cycle == Cycle::Jobs;
         let mut out = Parts { system, jobs, requested: system.requested(), parts: Vec::new() };
         for task in system.tasks.keys() {
             if jobs {

@@ -163,11 +163,15 @@ impl Semantics {
         }
     }
 
-    /// Returns true if all points are those of the published models, which have their own rules, with either
-    /// of the two orders of locks that these rules support.
-    pub fn is_published(self) -> bool {
+    /// Returns the points that a scenario does not choose: those of the published models if all others are
+    /// theirs, with either of the two orders of locks that these models support.
+    pub fn fixed(self) -> FixedPoints {
         let locks = self.locks;
-        locks != LockRule::Queue && self == Semantics { locks, ..Semantics::PUBLISHED }
+        if locks != LockRule::Queue && self == (Semantics { locks, ..Semantics::PUBLISHED }) {
+            FixedPoints::PUBLISHED
+        } else {
+            FixedPoints::SERVERS
+        }
     }
 
     /// Returns the preset, then the points that differ from it, as scenarios write them.
@@ -189,6 +193,134 @@ impl Semantics {
             format!("{} with {}", self.preset.name(), others.join(", "))
         }
     }
+}
+
+/// The cycle of a task.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cycle {
+    /// Passes: in each pass, every automaton that runs and is not paused executes one codel (section 21). A
+    /// task is one executor.
+    Passes,
+    /// Jobs: each automaton has one turn, up to its pause or end (section 4). An automaton is an executor:
+    /// its first turn and its asynchronous codels are executed while its task does other work.
+    Jobs,
+}
+
+/// The start of the tasks of a component.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StartUp {
+    /// A task begins with its first tick. The next task is started after its first pass (section 21).
+    FirstPass,
+    /// A task executes its first codel at once, without a core. The next task is started after that codel
+    /// (section 3).
+    FirstCodel,
+}
+
+/// The handling of a message by a control task.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Handling {
+    /// Several steps: a request is taken, validated and answered, then all activities are examined
+    /// (section 21). Other actions can happen between the steps.
+    InSteps,
+    /// One step, except for codels (section 7).
+    AtOnce,
+}
+
+/// The places of activities that have been accepted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Slots {
+    /// Those of their task (section 21).
+    OfTask,
+    /// Those of their service (section 7).
+    OfService,
+}
+
+/// The values of the ids that a request reads or writes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Copies {
+    /// Copied for every kind of service, before its codels (section 21).
+    BeforeCodels,
+    /// Copied by attributes (section 7).
+    OfAttributes,
+}
+
+/// What codels exclude each other for, beside connected ports.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Exclusion {
+    /// The lists of `mutex`, as codels with tickets test them (section 21).
+    Tickets,
+    /// Their data (section 6).
+    Data,
+}
+
+/// The points that a scenario does not choose one by one, each with the reading that holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FixedPoints {
+    /// Cycle of a task.
+    pub cycle: Cycle,
+    /// Start of the tasks of a component.
+    pub start_up: StartUp,
+    /// Handling of a message by a control task.
+    pub handling: Handling,
+    /// Places of activities.
+    pub slots: Slots,
+    /// Values that requests read or write.
+    pub copies: Copies,
+    /// Exclusion of codels.
+    pub exclusion: Exclusion,
+    /// Codels throw the exceptions that they declare, unless the scenario says otherwise. Where they do not,
+    /// an exception is an ordinary end.
+    pub throws: bool,
+    /// A tick of an idle task can be kept.
+    pub keeps_idle_ticks: bool,
+    /// Periods and delays are whole numbers of ticks of the component's clock.
+    pub counts_clock_ticks: bool,
+    /// Services have an order (`after`, `before`).
+    pub has_order: bool,
+    /// Clients can send `abort`, `kill` and `connect`, and await outcomes in the way of the servers.
+    pub has_builtin_services: bool,
+    /// Codels that are `async` can have threads of their own.
+    pub may_run_apart: bool,
+    /// Threads can lose their cores.
+    pub may_preempt: bool,
+    /// Order in which cores are granted, if the scenario names none.
+    pub policy: Policy,
+}
+
+impl FixedPoints {
+    const SERVERS: FixedPoints = FixedPoints {
+        cycle: Cycle::Passes,
+        start_up: StartUp::FirstPass,
+        handling: Handling::InSteps,
+        slots: Slots::OfTask,
+        copies: Copies::BeforeCodels,
+        exclusion: Exclusion::Tickets,
+        throws: true,
+        keeps_idle_ticks: false,
+        counts_clock_ticks: true,
+        has_order: true,
+        has_builtin_services: true,
+        may_run_apart: false,
+        may_preempt: true,
+        policy: Policy::Priority,
+    };
+
+    const PUBLISHED: FixedPoints = FixedPoints {
+        cycle: Cycle::Jobs,
+        start_up: StartUp::FirstCodel,
+        handling: Handling::AtOnce,
+        slots: Slots::OfService,
+        copies: Copies::OfAttributes,
+        exclusion: Exclusion::Data,
+        throws: false,
+        keeps_idle_ticks: true,
+        counts_clock_ticks: false,
+        has_order: false,
+        has_builtin_services: false,
+        may_run_apart: true,
+        may_preempt: false,
+        policy: Policy::Fifo,
+    };
 }
 
 /// Single points that a scenario sets.

@@ -12,7 +12,7 @@ use super::settings::Settings;
 use super::{Codel, CodelId};
 use crate::diagnostic::Diagnostic;
 use crate::scn::names::{Names, Target};
-use crate::scn::semantics::PortRule;
+use crate::scn::semantics::{Exclusion, PortRule};
 
 /// An output port: component and index.
 type Port = (usize, PortId);
@@ -26,7 +26,7 @@ pub(crate) fn exclude_codels(
 ) {
     let live = live_codels(out);
     let semantics = settings.semantics();
-    if semantics.is_published() {
+    if semantics.fixed().exclusion == Exclusion::Data {
         for &c in included {
             exclude_data(names, c, &live, out);
         }
@@ -56,7 +56,7 @@ pub(crate) fn exclude_codels(
     }
     for &(port, one) in &users {
         for &(other_port, other) in &users {
-            let fits = if semantics.is_published() {
+            let fits = if semantics.fixed().exclusion == Exclusion::Data {
                 !same_automaton(out, one, other)
             } else {
                 out.system.codels[one].component != out.system.codels[other].component

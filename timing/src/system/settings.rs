@@ -112,7 +112,7 @@ impl Settings {
 
     /// Returns true if `before` and `after` apply.
     pub fn order(&self) -> bool {
-        self.stated_order.unwrap_or(!self.semantics().is_published())
+        self.stated_order.unwrap_or(self.semantics().fixed().has_order)
     }
 
     /// Returns true if a thread can lose its core to another one.
@@ -122,7 +122,6 @@ impl Settings {
 
     /// Returns the order in which cores are granted.
     pub fn policy(&self) -> Policy {
-        let usual = if self.semantics().is_published() { Policy::Fifo } else { Policy::Priority };
-        self.stated_policy.unwrap_or(usual)
+        self.stated_policy.unwrap_or(self.semantics().fixed().policy)
     }
 }

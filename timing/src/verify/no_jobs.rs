@@ -6,6 +6,7 @@ use dotgen_analysis::model::{CodelKind, CodelRef, Owner};
 use super::Group;
 use super::checks::Single;
 use crate::report::{CheckReport, Verdict};
+use crate::scn::semantics::Cycle;
 use crate::system::{Builtin, loops};
 
 /// Number of codels named in a note; further codels are only counted.
@@ -24,7 +25,8 @@ impl Group<'_> {
     fn without_period(&self, check: &Single) -> Option<CheckReport> {
         let task = *self.built.tasks.get(&check.what.task()?)?;
         let system = &self.built.system;
-        if system.platform.semantics.is_published() || system.tasks[task].period.is_some() {
+        let has_jobs = system.platform.semantics.fixed().cycle == Cycle::Jobs;
+        if has_jobs || system.tasks[task].period.is_some() {
             return None;
         }
         let path = system.task_path(task);
@@ -49,8 +51,8 @@ impl Group<'_> {
         // A client that kills a component leads its activities to `stop`. In the published models a task
         // executes its activities all the same.
         let ends = states.iter().any(throws) || system.has_builtin(|kill| kill == Builtin::Kill);
-        let published = system.platform.semantics.is_published();
-        let measured = published && (task.period.is_none() || !task.slots.is_empty());
+        let has_jobs = system.platform.semantics.fixed().cycle == Cycle::Jobs;
+        let measured = has_jobs && (task.period.is_none() || !task.slots.is_empty());
         if ends || measured {
             return None;
         }

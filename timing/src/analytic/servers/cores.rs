@@ -271,8 +271,7 @@ impl Window<'_> {
         };
         let cycle = |of| Some(u64::from(self.length(other, of, Some(known), &waits_for)?));
         let each = cycle(Cycle::Other)?;
-        let cycles =
-            |number| self.lengths((other, Cycle::Other, number), Some(known), &waits_for);
+        let cycles = |number| self.lengths((other, Cycle::Other, number), Some(known), &waits_for);
         let Known { begins, next, ends, after_tick, .. } = known[other];
         let starts = !is_started;
         let first = if starts { cycle(Cycle::First)? } else { 0 };
@@ -332,7 +331,8 @@ impl Window<'_> {
         let until = ticks(to + job.window);
         let Some(response) = after_tick else {
             // A flag is raised by each tick, and at most one has been raised before.
-            let before = if begins < from { ticks(from - 1).saturating_sub(1) } else { ticks(begins) };
+            let before =
+                if begins < from { ticks(from - 1).saturating_sub(1) } else { ticks(begins) };
             let under_way = match (begins < from, is_started) {
                 (true, true) => each,
                 (true, false) => each.max(first),
@@ -340,7 +340,13 @@ impl Window<'_> {
             };
             let later = until.saturating_sub(before);
             let ahead = each.max(first);
-            return Some(Phase { ahead, carried: under_way, later, before: later, goes_after: None });
+            return Some(Phase {
+                ahead,
+                carried: under_way,
+                later,
+                before: later,
+                goes_after: None,
+            });
         };
         if from < to || !is_started {
             let over = from.checked_sub(response).map_or(0, ticks);

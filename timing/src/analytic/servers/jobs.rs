@@ -10,18 +10,25 @@ use typed_index_collections::{TiVec, ti_vec};
 
 use super::control::Control;
 use super::{Bound, Cycle, Facts, Known, Knowns, Turns, Window, first_tick, known};
+use crate::analytic::greatest_common_divisor;
 use crate::analytic::latest::{NEVER, latest};
 use crate::analytic::windows::{ClientWindow, Requests, Situations, requests_at, timed_windows};
 use crate::system::{TaskId, Ticks, TimedSystem};
 
 /// Number of jobs above which they are not told apart.
-const MAX_JOBS: usize = 30_000;
+const MAX_JOBS: usize = 10_000;
+
+/// Length of a hyperperiod, in base units, from which on jobs are not told apart.
+const LONGEST: u64 = 1 << 40;
 
 /// Number of rounds with better times of clients.
 const MAX_IMPROVEMENTS: usize = 3;
 
 /// Number of rounds until the bounds of jobs are fixed.
 const ROUNDS: usize = 200;
+
+/// Number of evaluations of jobs above which no bounds are found: a quick bound must be quick.
+const MAX_EVALUATIONS: usize = 100_000;
 
 /// A job that begins between two times: at its tick, if they are the same.
 #[derive(Clone, Copy)]
@@ -124,10 +131,9 @@ pub(super) fn improve(
         let open = |&task: &TaskId| {
             system.tasks[task].period.is_some() && facts[task].after_tick.is_none()
         };
-        let (open, all): (Vec<TaskId>, Vec<TaskId>) = (
-            system.tasks.keys().filter(open).collect(),
-            system.tasks.keys().filter(|&task| system.tasks[task].period.is_some()).collect(),
-        );
+        let has_period = |&task: &TaskId| system.tasks[task].period.is_some();
+        let all: Vec<TaskId> = system.tasks.keys().filter(has_period).collect();
+        let open: Vec<TaskId> = system.tasks.keys().filter(open).collect();
         if open.is_empty() {
             break;
         }
@@ -142,6 +148,7 @@ pub(super) fn improve(
             open,
             all,
             jobs,
+            evaluations: 0,
         };
         match single.bounds(&bounds).filter(|improved| *improved != bounds) {
             Some(improved) => bounds = improved,
@@ -163,6 +170,8 @@ struct SingleJobs<'w, 's> {
     /// All tasks with a period.
     all: Vec<TaskId>,
     jobs: Jobs,
+    /// Number of evaluations of jobs, in each of their windows.
+    evaluations: usize,
 }
 
 impl SingleJobs<'_, '_> {
@@ -195,6 +204,9 @@ impl SingleJobs<'_, '_> {
                 let (greatest, more) = self.jobs_of(task, other, &facts, false);
                 out[task].other = greatest;
                 changed |= more;
+            }
+            if self.evaluations > MAX_EVALUATIONS {
+                return None;
             }
             if !changed && out == before {
                 for &task in &self.open {
@@ -253,6 +265,7 @@ impl SingleJobs<'_, '_> {
                 // The tick comes in the first cycle.
                 continue;
             }
+            self.evaluations += windows.len();
             facts_of_job[task].next = tick;
             let single = Single { jobs: &self.jobs, from: tick, to: tick };
             let times = windows.iter().map(|&window| {
@@ -280,7 +293,7 @@ impl SingleJobs<'_, '_> {
 fn jobs(
     situations: &[Situations],
     facts: &Knowns,
-    open: &[TaskId],
+    tasks: &[TaskId],
     bounds: &TiVec<TaskId, Bound>,
     windows: &mut Windows,
 ) -> Option<Jobs> {
@@ -291,7 +304,7 @@ fn jobs(
         .map(|(client, situations)| latest(client, situations, &control))
         .collect();
     let mut of_clients = FxHashMap::default();
-    for &task in open {
+    for &task in tasks {
         let length = system.tasks[task].period?;
         of_clients
             .entry(length)
@@ -299,12 +312,48 @@ fn jobs(
     }
     let periods = system.tasks.iter().filter_map(|task| task.period);
     let hyperperiod = periods.map(u64::from).try_fold(1u64, |all, period| {
-        let all = all / gcd(all, period);
-        all.checked_mul(period).filter(|all| *all < 1 << 40)
+        let all = all / greatest_common_divisor(all, period);
+        all.checked_mul(period).filter(|all| *all < LONGEST)
     })?;
-    let all = of_clients.values().flatten().flatten();
+    let windows_of_clients = of_clients.values().flatten().flatten();
+    let times = times(windows_of_clients, facts, hyperperiod);
+    let mut out = Jobs { hyperperiod, times, of: ti_vec![Vec::new(); system.tasks.len()] };
+    let mut count = 0;
+    for &task in tasks {
+        let length = system.tasks[task].period?;
+        let of_clients = &of_clients[&length];
+        let (first, period) = (first_tick(system, task)?, u64::from(length));
+        let next = out.times.iter().skip(1).copied().chain([NEVER]);
+        for (&begins, next) in out.times.iter().zip(next) {
+            let begins = begins.max(facts[task].next);
+            let until = next.min(begins.saturating_add(hyperperiod));
+            let mut tick = first + begins.saturating_sub(first).div_ceil(period) * period;
+            let mut numbers: Option<Vec<usize>> = None;
+            while tick < until {
+                let numbers = numbers.get_or_insert_with(|| {
+                    let requests = requests_at(system, of_clients, tick).into_iter();
+                    requests.map(|requests| windows.number(requests, length)).collect()
+                });
+                out.of[task].push(Job { tick, windows: numbers.clone(), bound: 0 });
+                tick += period;
+                count += 1;
+                if count > MAX_JOBS {
+                    return None;
+                }
+            }
+        }
+    }
+    Some(out)
+}
+
+/// Returns the times from which on other requests play a part, other tasks have started or other jobs begin.
+fn times<'w>(
+    windows: impl Iterator<Item = &'w ClientWindow>,
+    facts: &Knowns,
+    hyperperiod: u64,
+) -> Vec<u64> {
     let mut times: Vec<u64> =
-        all.flat_map(|window| [window.begins, window.until.saturating_add(1)]).collect();
+        windows.flat_map(|window| [window.begins, window.until.saturating_add(1)]).collect();
     times.push(0);
     // Start-ups are over, and jobs begin.
     times.extend(facts.iter().flat_map(|facts| [Some(facts.next), facts.ends]).flatten());
@@ -319,35 +368,5 @@ fn jobs(
         .collect();
     times.extend(split);
     times.sort_unstable();
-    let mut out = Jobs { hyperperiod, times, of: ti_vec![Vec::new(); system.tasks.len()] };
-    let mut count = 0;
-    for &task in open {
-        let period = system.tasks[task].period?;
-        let of_clients = &of_clients[&period];
-        let (first, period) = (first_tick(system, task)?, u64::from(period));
-        let next = out.times.iter().skip(1).copied().chain([NEVER]);
-        for (&begins, next) in out.times.iter().zip(next) {
-            let begins = begins.max(facts[task].next);
-            let until = next.min(begins.saturating_add(hyperperiod));
-            let mut tick = first + begins.saturating_sub(first).div_ceil(period) * period;
-            let mut numbers: Option<Vec<usize>> = None;
-            while tick < until {
-                let numbers = numbers.get_or_insert_with(|| {
-                    let requests = requests_at(system, of_clients, tick).into_iter();
-                    requests.map(|requests| windows.number(requests, period as Ticks)).collect()
-                });
-                out.of[task].push(Job { tick, windows: numbers.clone(), bound: 0 });
-                tick += period;
-                count += 1;
-                if count > MAX_JOBS {
-                    return None;
-                }
-            }
-        }
-    }
-    Some(out)
-}
-
-fn gcd(one: u64, other: u64) -> u64 {
-    if other == 0 { one } else { gcd(other, one % other) }
+    times
 }

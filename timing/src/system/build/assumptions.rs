@@ -3,7 +3,7 @@
 use super::Builder;
 use crate::scn::ast::{self, Durations};
 use crate::scn::names::Member;
-use crate::scn::semantics::LockRule;
+use crate::scn::semantics::{LockRule, StartUp};
 use crate::system::ground::Condition;
 
 impl Builder<'_> {
@@ -89,16 +89,16 @@ impl Builder<'_> {
             say("clients: none; only permanent activities run".to_owned());
         }
         let throws = self.out.system.codels.iter().any(|codel| codel.throws);
-        let published = settings.semantics().is_published();
-        say(match (throws, published) {
+        let points = settings.semantics().fixed();
+        say(match (throws, points.throws) {
             (true, _) => {
                 "any declared yield may be taken, or an exception thrown where some are declared"
             }
-            (false, true) => "any declared yield may be taken; exceptions are left out",
-            (false, false) => "any declared yield may be taken",
+            (false, false) => "any declared yield may be taken; exceptions are left out",
+            (false, true) => "any declared yield may be taken",
         }
         .to_owned());
-        if !settings.async_free || !published {
+        if !settings.async_free || !points.may_run_apart {
             let any = self.out.system.machines.iter().flat_map(|machine| &machine.states);
             if any.clone().any(|state| state.is_async) {
                 self.out.assumptions.push(
@@ -133,7 +133,9 @@ impl Builder<'_> {
                 ordered.join(", ")
             ));
         }
-        if published && self.out.system.tasks.iter().any(|task| task.delay > 0) {
+        if points.start_up == StartUp::FirstCodel
+            && self.out.system.tasks.iter().any(|task| task.delay > 0)
+        {
             self.out.assumptions.push(
                 "delay: the first tick of a task comes one period and its delay after its start"
                     .to_owned(),

@@ -108,7 +108,7 @@ impl Builder<'_> {
         time: Ticks,
     ) -> Option<Remark> {
         let semantics = self.settings.semantics();
-        if semantics.is_published() || semantics.locks != LockRule::Queue {
+        if semantics.locks != LockRule::Queue {
             return None;
         }
         let own = || live.iter().filter(|codel| codel.component == long.component);

@@ -24,7 +24,7 @@ impl Builder<'_> {
                 Err(error) => self.report(error),
             }
         }
-        if self.settings.semantics().is_published() {
+        if !self.settings.semantics().fixed().has_builtin_services {
             for client in &self.settings.clients {
                 self.only_of_servers(client);
             }

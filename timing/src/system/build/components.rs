@@ -9,6 +9,7 @@ use super::Builder;
 use super::times::TimeOf;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::scn::ast::{DEFAULT_PLACES, DEFAULT_SLOTS};
+use crate::scn::semantics::{Copies, Slots};
 use crate::system::indexed::{DeclaredTask, Unrequested};
 use crate::system::{Automaton, Component, ComponentId, Service, ServiceId, Task};
 
@@ -51,7 +52,7 @@ impl Builder<'_> {
                 })
             });
             // The servers have no such rule.
-            let keep = self.idle_rule(c, t) && self.settings.semantics().is_published();
+            let keep = self.idle_rule(c, t) && self.settings.semantics().fixed().keeps_idle_ticks;
             self.out.tasks.insert(DeclaredTask { component: c, index: t }, id);
             self.out.system.components[number].tasks.push(id);
             self.out.system.tasks.push(Task {
@@ -79,7 +80,7 @@ impl Builder<'_> {
         let Some(rate) = &component.clock_rate else {
             return;
         };
-        if self.settings.semantics().is_published() {
+        if !self.settings.semantics().fixed().counts_clock_ticks {
             return;
         }
         let to_f64 = |seconds: Seconds| *seconds.numer() as f64 / *seconds.denom() as f64;
@@ -126,7 +127,7 @@ impl Builder<'_> {
             }
             // The servers copy values of the ids before codels run, for every kind of service.
             let copies = |param: &Param| param.source == ParamSource::Ids;
-            if self.settings.semantics().is_published() {
+            if self.settings.semantics().fixed().copies == Copies::OfAttributes {
                 if service.kind == ServiceKind::Attribute {
                     simple.push(self.attribute(c, number, s, &path));
                 }
@@ -141,7 +142,7 @@ impl Builder<'_> {
                     .map(|index| DeclaredTask { component: c, index })
                     .and_then(|task| self.out.tasks.get(&task).copied())
             {
-                let count = if self.settings.semantics().is_published() {
+                let count = if self.settings.semantics().fixed().slots == Slots::OfService {
                     self.slots.get(&(c, s)).copied().unwrap_or(DEFAULT_SLOTS)
                 } else {
                     1

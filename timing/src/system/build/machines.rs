@@ -53,7 +53,7 @@ impl Builder<'_> {
                 }
                 let codel_id = self.codel(c, number, owner, *index, name, codel);
                 // In the published models, an exception is an ordinary end.
-                if self.settings.semantics().is_published()
+                if !self.settings.semantics().fixed().throws
                     && self.out.system.codels[codel_id].throws
                     && !yields.contains(&Yield::End)
                 {

@@ -15,7 +15,7 @@ impl Builder<'_> {
     pub(super) fn choose_rules(&mut self) {
         let semantics = self.settings.semantics();
         let preempts = matches!(self.settings.policy(), Policy::Priority | Policy::Fair);
-        if preempts && semantics.is_published() {
+        if preempts && !semantics.fixed().may_preempt {
             let message = format!(
                 "`semantics {}` with `policy {}` go not together; write `semantics servers;`, or another \
                     policy",
@@ -24,7 +24,7 @@ impl Builder<'_> {
             );
             self.report(Diagnostic::error("scn-semantics", 0..0, message));
         }
-        if self.settings.order() && semantics.is_published() {
+        if self.settings.order() && !semantics.fixed().has_order {
             let message = "the published models know no order of services; write `semantics servers;`, or \
                 leave `order on;` out";
             self.report(Diagnostic::error("scn-semantics", 0..0, message.to_owned()));
@@ -75,7 +75,7 @@ impl Builder<'_> {
 
     /// Returns true if codels of this owner may throw, provided that they declare exceptions.
     pub(super) fn may_throw(&mut self, c: usize, owner: Owner) -> bool {
-        let mut on = !self.settings.semantics().is_published();
+        let mut on = self.settings.semantics().fixed().throws;
         for (rule, path) in &self.settings.exceptions {
             let Some(path) = path else {
                 on = *rule;
