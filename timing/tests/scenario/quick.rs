@@ -18,13 +18,19 @@ fn bounds(specification: &str, scenario: &str) -> String {
 }
 
 fn bounds_under(preset: Preset, specification: &str, scenario: &str) -> String {
-    let unit = load(specification);
-    let names = Names::new(&[&unit.spec]);
+    bounds_of(preset, &[specification], scenario)
+}
+
+fn bounds_of(preset: Preset, specifications: &[&str], scenario: &str) -> String {
+    let units: Vec<_> = specifications.iter().map(|text| load(text)).collect();
+    let specs: Vec<_> = units.iter().map(|unit| &*unit.spec).collect();
+    let names = Names::new(&specs);
     let parsed = parse(&format!("scenario x {{ {scenario} }}"));
     assert_eq!(parsed.errors, []);
     let mut settings = Settings::new(&parsed.scenario);
     settings.preset = preset;
     let built = build(&names, &settings, &|_| true);
+    assert!(!built.has_errors(), "{:?}", built.diagnostics);
     let bounds = response_bounds(&built.system);
     let lines = bounds.iter().enumerate().map(|(task, bound)| {
         let bound = bound.map_or("-".to_owned(), |bound| bound.to_string());
@@ -444,4 +450,122 @@ fn a_timer_that_starts_after_a_codel_has_no_known_phase() {
         bounds(text, "unit 1 ms; cores 1; policy edf; durations interval;"),
         "c.t0 1\nc.t1 1\nc.t2 1\n"
     );
+}
+
+/// A component with one periodic task.
+fn periodic(name: &str, task: &str, wcet: u32) -> String {
+    format!(
+        "component {name} {{ version \"1\"; lang \"c\"; task t {{ {task}
+           codel <start> {name}_work() yield pause::start wcet {wcet} ms; }}; }};"
+    )
+}
+
+#[test]
+fn the_ticks_of_other_tasks_are_known() {
+    // Together they take 4 ms, but the ticks 7, 19, … of the first one are no ticks of the other.
+    let first = periodic("first", "period 12 ms; delay 7 ms; priority 1;", 2);
+    let other = periodic("other", "period 4 ms; priority 2;", 2);
+    let scenario = "cores 1; policy priority;";
+    insta::assert_snapshot!(bounds_of(Preset::Servers, &[&first, &other], scenario), @r"
+    first.t 2
+    other.t 3
+    ");
+}
+
+/// An aperiodic task with an activity of 2 ms, before all others.
+const PLANNER: &str = r#"
+component planner {
+  version "1"; lang "c";
+  task plan { priority 1; };
+  activity go() { task plan; codel <start> plan_work() yield ether wcet 2 ms; };
+};
+"#;
+
+#[test]
+fn a_request_that_is_over_delays_no_later_job() {
+    // All three together take 11 ms, but the activity has ended before the ticks coincide at 30 ms.
+    let [often, rarely] = [
+        periodic("often", "period 10 ms; priority 3;", 4),
+        periodic("rarely", "period 30 ms; priority 2;", 5),
+    ];
+    let client = |rest: &str| {
+        format!("cores 1; policy priority; client c {{ delay 11 ms; send planner.go; {rest} }}")
+    };
+    let specifications = [PLANNER, &often, &rarely];
+    insta::assert_snapshot!(bounds_of(Preset::Servers, &specifications, &client("")), @r"
+    planner.plan -
+    often.t 9
+    rarely.t 7
+    ");
+    let again = client("await ended; delay 8 ms; send planner.go;");
+    insta::assert_snapshot!(bounds_of(Preset::Servers, &specifications, &again), @r"
+    planner.plan -
+    often.t -
+    rarely.t 9
+    ");
+}
+
+/// A task that waits for a long codel of another one, with a core.
+const HELD: &str = r#"
+component held {
+  version "1"; lang "c";
+  ids { long x; };
+  task t { period 7 ms; codel <start> t_work(inout x) yield pause::start wcet 1 ms; };
+  task plan { };
+  activity go() { task plan; codel <start> plan_work(in x) yield ether wcet 3 ms; };
+};
+"#;
+
+#[test]
+fn a_codel_that_is_executed_once_counts_once_in_the_cycles_that_wait_for_it() {
+    // The activity begins at a tick of both tasks: `other` waits 3 ms while `held` waits with a core, and
+    // takes 4 ms in a run. Without the codel, the two cycles that can play a part would take 2 ms.
+    let other = periodic("other", "period 21 ms;", 1);
+    let client = "cores 2; policy any; client c { delay 42 ms; send held.go; }";
+    insta::assert_snapshot!(bounds_of(Preset::Servers, &[&other, HELD], client), @r"
+    other.t 5
+    held.t 5
+    held.plan -
+    ");
+}
+
+#[test]
+fn an_activity_without_pause_counts_once_in_the_cycles_of_its_task() {
+    // In a run, `low` takes 7 ms: 1 ms and 2 ms at its tick, and 1 ms four later.
+    let busy = r#"
+      component busy {
+        version "1"; lang "c";
+        task t { period 4 ms; priority 1; codel <start> work() yield pause::start wcet 1 ms; };
+        activity go() { task t; codel <start> go_work() yield ether wcet 2 ms; };
+      };
+    "#;
+    let low = periodic("low", "period 12 ms; priority 2;", 3);
+    let scenario = "cores 1; policy priority; client c { delay 23 ms; send busy.go; }";
+    insta::assert_snapshot!(bounds_of(Preset::Servers, &[busy, &low], scenario), @r"
+    busy.t 3
+    low.t 8
+    ");
+}
+
+#[test]
+fn the_first_cycle_of_a_task_that_begins_late_delays_a_job() {
+    // `late` begins at 32 ms, 2 ms after a tick of `often`, and takes 3 ms that one time.
+    let often = periodic("often", "period 10 ms; priority 3;", 6);
+    let rarely = periodic("rarely", "period 40 ms; delay 12 ms; priority 2;", 2);
+    let late = r#"
+      component late {
+        version "1"; lang "c";
+        task t {
+          period 40 ms; delay 32 ms; priority 1;
+          codel <start> late_start() yield pause::main wcet 3 ms;
+          codel <main> late_main() yield pause::main wcet 1 ms;
+        };
+      };
+    "#;
+    let scenario = "cores 1; policy priority;";
+    insta::assert_snapshot!(bounds_of(Preset::Servers, &[&often, &rarely, late], scenario), @r"
+    often.t 9
+    rarely.t 3
+    late.t 1
+    ");
 }

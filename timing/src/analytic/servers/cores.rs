@@ -351,7 +351,8 @@ impl Window<'_> {
         if from < to || !is_started {
             let over = from.checked_sub(response).map_or(0, ticks);
             let over = if is_started { over } else { over.max(ticks(next - 1)) };
-            let start = if is_started { 0 } else { first };
+            let left = ends.map_or(first, |ends| ends.saturating_sub(from));
+            let start = if is_started { 0 } else { first.min(left) };
             let ahead = if ticks(to) > over { each } else { 0 };
             let later = until.saturating_sub(over);
             return Some(Phase {
