@@ -34,6 +34,7 @@ mod latest;
 mod reaction;
 mod rivals;
 mod servers;
+mod situations;
 mod ways;
 mod windows;
 
@@ -44,8 +45,9 @@ use typed_index_collections::{TiSlice, TiVec, ti_vec};
 use self::demand::{Demand, Jobs, Kind};
 pub use self::reaction::reaction_bound;
 use self::rivals::{Rivals, excluded};
+use self::situations::{Situations, situations};
 use self::ways::{Ways, resumed};
-use self::windows::{Requests, Situations, situations, whole_run, windows};
+use self::windows::{Requests, whole_run, windows};
 use crate::scn::semantics::{Cycle, Semantics};
 use crate::system::{
     AutomatonId, CodelId, CodelSet, FOREVER, ServiceId, TaskId, Ticks, TimedSystem,

@@ -399,6 +399,12 @@ impl TimedSystem {
         self.unit * Seconds::from_integer(ticks.into())
     }
 
+    /// Returns the first tick of a task with a period, under the semantics of the servers.
+    pub fn first_tick(&self, task: TaskId) -> Option<u64> {
+        let task = &self.tasks[task];
+        Some(u64::from(if task.delay == 0 { task.period? } else { task.delay }))
+    }
+
     /// Returns `component.task`.
     pub fn task_path(&self, task: TaskId) -> String {
         self.task_name(task).to_string()

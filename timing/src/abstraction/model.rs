@@ -4,7 +4,7 @@ use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
 use super::activities::activities;
 use super::cycle_automaton::{Activity, CycleAutomaton, cycle_automaton};
-use super::order::{chain, first_tick};
+use super::order::chain;
 use super::others::{Interference, OtherThread, interference, others, waits};
 use super::refusal::Refusal;
 use super::thread::{Start, Thread};
@@ -209,8 +209,11 @@ fn thread(
         [] => None,
         _ => Some(cycle_automaton(system, activities)?),
     };
-    let first =
-        if servers { first_tick(system, task) } else { period + i64::from(definition.delay) };
+    let first = if servers && definition.delay > 0 {
+        i64::from(definition.delay)
+    } else {
+        period + i64::from(definition.delay)
+    };
     let paused = match (servers, activities, &cycle_automaton) {
         (true, ..) => Vec::new(),
         (false, [only], Some(cycle_automaton)) => {

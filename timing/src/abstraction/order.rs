@@ -12,7 +12,8 @@ use crate::system::{CodelSet, FOREVER, TaskId, TimedSystem};
 /// `enough`: no task waits for a core.
 pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) {
     let periodic = system.tasks.keys().filter(|&task| system.tasks[task].period.is_some());
-    let first_tick = periodic.map(|task| first_tick(system, task)).min();
+    let first_tick = periodic.filter_map(|task| system.first_tick(task)).min();
+    let first_tick = first_tick.and_then(|tick| i64::try_from(tick).ok());
     for component in &system.components {
         let mut before: Option<usize> = None;
         let mut start = Start::AT_ONCE;
@@ -47,15 +48,6 @@ pub(super) fn chain(system: &TimedSystem, threads: &mut [Thread], enough: bool) 
             earlier.push((OtherThread { component, codels }, number.is_some()));
         }
     }
-}
-
-/// Returns the first tick of a task with a period, under the semantics of the servers.
-pub(super) fn first_tick(system: &TimedSystem, task: TaskId) -> i64 {
-    let task = &system.tasks[task];
-    i64::from(match task.delay {
-        0 => task.period.unwrap_or(0),
-        delay => delay,
-    })
 }
 
 /// Returns the length of the first pass of a task that is not followed. `others` are the tasks before it.

@@ -1,5 +1,7 @@
 //! The demand function: the most work that other tasks can do in a window of time. Times are in base units.
 
+use std::cmp::Reverse;
+
 use crate::system::Ticks;
 
 /// Length of a window above which the analysis gives up.
@@ -216,4 +218,18 @@ impl Demand {
         }
         None
     }
+}
+
+/// Returns the greatest *x* with cores · *x* ≤ Σ min(work, *x*), rounded up; `None` if there is no core.
+pub(super) fn longest_wait(cores: u64, mut works: Vec<u64>) -> Option<u64> {
+    works.sort_unstable_by_key(|&work| Reverse(work));
+    let mut rest = works.iter().try_fold(0u64, |sum, &work| sum.checked_add(work))?;
+    for (left, work) in (1..=cores).rev().zip(works) {
+        // The works before this one last longer than the wait, so that each of them occupies a core.
+        if work.checked_mul(left)? <= rest {
+            return Some(rest.div_ceil(left));
+        }
+        rest -= work;
+    }
+    (cores > 0).then_some(0)
 }

@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashSet;
 
-use super::windows::Situations;
+use super::situations::Situations;
 use crate::scn::semantics::Cycle;
 use crate::system::{ServiceId, TaskId, TimedSystem};
 

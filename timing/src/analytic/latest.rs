@@ -1,9 +1,9 @@
 //! The latest times at which clients leave their steps, and at which their requests are over.
 //!
-//! Clients act at once: only delays, control tasks and the requests that they await hold them up. So a time by
-//! which each request is over gives one for all later steps.
+//! Clients act at once: only delays, control tasks and the requests that they await hold them up. So if it is
+//! known when each request is over, latest times of all later steps follow.
 
-use super::windows::Situations;
+use super::situations::Situations;
 use crate::system::{Client, ClientAction, ServiceId};
 
 /// The time of what may never happen.

@@ -15,7 +15,8 @@
 //! other, each after the first pass of the previous one, and begin with a tick.
 
 use super::servers::{self, Turns, Window};
-use super::windows::{ClientWindow, shuts_down, situations, whole_run};
+use super::situations::situations;
+use super::windows::{ClientWindow, shuts_down, whole_run};
 use crate::scn::semantics::Semantics;
 use crate::system::loops::pauseless_cycles;
 use crate::system::{CodelId, Machine, TaskId, Ticks, TimedSystem, Yield};

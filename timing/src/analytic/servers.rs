@@ -26,7 +26,8 @@
 
 use typed_index_collections::{TiVec, ti_vec};
 
-use super::windows::{ClientWindow, situations, windows};
+use super::situations::situations;
+use super::windows::{ClientWindow, windows};
 use crate::system::{
     AutomatonId, CodelId, CodelSet, Machine, ServiceId, TaskId, Ticks, TimedSystem, Yield,
 };
@@ -37,7 +38,6 @@ mod jobs;
 mod length;
 mod turns;
 
-pub(super) use self::cores::longest_wait;
 pub(super) use self::turns::Turns;
 
 /// Upper limit on the number of rounds: a quick bound must be quick.
@@ -101,7 +101,7 @@ fn known(system: &TimedSystem, bounds: &TiVec<TaskId, Bound>) -> Knowns {
         for &task in &component.tasks {
             let Bound { pass, first, other, second } = bounds[task];
             let period = system.tasks[task].period.map(u64::from);
-            let first_tick = first_tick(system, task).unwrap_or(0);
+            let first_tick = system.first_tick(task).unwrap_or(0);
             begins = begins.max(first_tick);
             latest = latest.map(|latest| latest.max(first_tick));
             let after = |time: Option<u64>| latest?.checked_add(time?);
@@ -124,12 +124,6 @@ fn known(system: &TimedSystem, bounds: &TiVec<TaskId, Bound>) -> Knowns {
         }
     }
     out
-}
-
-/// Returns the first tick of a task with a period.
-pub(super) fn first_tick(system: &TimedSystem, task: TaskId) -> Option<u64> {
-    let task = &system.tasks[task];
-    Some(u64::from(if task.delay == 0 { task.period? } else { task.delay }))
 }
 
 /// Returns a bound on the response time of every task; `None` if there is none.

@@ -12,8 +12,8 @@ use rustc_hash::FxHashSet;
 use typed_index_collections::{TiVec, ti_vec};
 
 use super::latest::{Latest, NEVER};
-use super::servers::first_tick;
-use crate::scn::semantics::{Slots, StartUp};
+use super::situations::{Situations, UnderWay};
+use crate::scn::semantics::StartUp;
 use crate::system::{
     Automaton, AutomatonId, Client, ClientAction, ClientStep, ComponentId, Machine, ServiceId,
     Ticks, TimedSystem,
@@ -39,18 +39,8 @@ impl ClientWindow {
     }
 }
 
-/// Number of situations of a client above which its windows are not told apart.
-const MAX_SITUATIONS: usize = 2_000;
-
 /// Number of windows above which they are not told apart.
 const MAX_WINDOWS: usize = 24;
-
-/// Requests under way: the service, the trackers that follow the request, and the step that sent it.
-pub(super) type UnderWay = Vec<(ServiceId, Vec<usize>, usize)>;
-
-/// The situations of a client: positions with the requests that can be under way there. `None`: there are too
-/// many.
-pub(super) type Situations = Option<FxHashSet<(usize, UnderWay)>>;
 
 /// Returns the windows of a length. For each window of the system, one of them has at least as many requests
 /// and does not begin later.
@@ -207,7 +197,7 @@ fn accepts_from(system: &TimedSystem, service: ServiceId) -> u64 {
         return 0;
     }
     let tasks = system.components[system.services[service].component].tasks.iter();
-    tasks.filter_map(|&task| first_tick(system, task)).max().unwrap_or(0)
+    tasks.filter_map(|&task| system.first_tick(task)).max().unwrap_or(0)
 }
 
 /// Returns the least time after which each step, and the end, can be reached from some steps. `over`: their
@@ -237,60 +227,6 @@ fn reached(
         heap.extend(step.next.iter().map(|&next| Reverse((left, true, next))));
     }
     out
-}
-
-/// Returns the situations of each client.
-///
-/// A request whose end is not awaited stays under way for ever, unless it is a function or attribute: these
-/// have ended when the control task takes the next request.
-pub(super) fn situations(system: &TimedSystem) -> Vec<Situations> {
-    system.clients.iter().map(|client| situations_of(system, client)).collect()
-}
-
-fn situations_of(system: &TimedSystem, client: &Client) -> Situations {
-    let mut stack: Vec<(usize, UnderWay)> =
-        client.first.iter().map(|&index| (index, Vec::new())).collect();
-    let mut seen: FxHashSet<(usize, UnderWay)> = stack.iter().cloned().collect();
-    while let Some((at, under_way)) = stack.pop() {
-        let Some(step) = client.steps.get(at) else {
-            continue;
-        };
-        let mut after = under_way;
-        match step.action {
-            ClientAction::Send { service, ref trackers, .. } => {
-                let component = system.services[service].component;
-                after.retain(|(other, ..)| {
-                    let other = &system.services[*other];
-                    other.activity || other.component != component
-                });
-                for (_, known, _) in &mut after {
-                    known.retain(|tracker| !trackers.contains(tracker));
-                }
-                let already = after.iter().filter(|entry| entry.0 == service).count();
-                if already < places(system, service) {
-                    after.push((service, trackers.clone(), at));
-                } else {
-                    // It has the place of one that is over, or is refused.
-                    after.iter_mut().filter(|entry| entry.0 == service).for_each(|one| one.2 = at);
-                }
-                after.sort_unstable();
-            }
-            ClientAction::AwaitEnded(tracker) | ClientAction::AwaitOutcome(tracker, _) => {
-                after.retain(|entry| !entry.1.contains(&tracker));
-            }
-            ClientAction::AwaitAccepted | ClientAction::AwaitAny | ClientAction::Delay(..) => {}
-        }
-        for &next in &step.next {
-            let situation = (next, after.clone());
-            if seen.len() > MAX_SITUATIONS {
-                return None;
-            }
-            if seen.insert(situation.clone()) {
-                stack.push(situation);
-            }
-        }
-    }
-    Some(seen)
 }
 
 /// Returns, by automaton, whether it can be interrupted, or stop because its component shuts down: a codel of
@@ -347,18 +283,6 @@ fn pairs<'r>(
     others: &'r [ServiceId],
 ) -> impl Iterator<Item = (ServiceId, ServiceId)> + 'r {
     own.iter().flat_map(move |&one| others.iter().map(move |&other| (one, other)))
-}
-
-/// Returns the number of requests of a service that can be under way at the same time.
-fn places(system: &TimedSystem, service: ServiceId) -> usize {
-    let slots = &system.services[service].slots;
-    match slots.first() {
-        Some(&slot) if system.platform.semantics.fixed().slots == Slots::OfTask => {
-            system.tasks[system.automata[slot].task].places as usize
-        }
-        Some(_) => slots.len(),
-        None => 1,
-    }
 }
 
 fn sum(one: &Requests, other: &Requests) -> Requests {

@@ -1,13 +1,13 @@
 //! Bounds on the times of requests, from those of the tasks that execute them.
 //!
-//! A control task is busy for at most the time of all requests that ever come. An activity without pause ends
-//! with the cycle that begins it: the next one of a periodic task, and of an aperiodic one the cycle under way
-//! or the next one. Before that it waits, at most, for the end of an activity that it interrupts.
+//! A control task is busy for at most the time of all requests that ever come. An activity without pause
+//! ends with the cycle that begins it: the next one of a periodic task, and of an aperiodic one the cycle
+//! under way or the next one. Before that it waits, at most, for the end of an activity that it interrupts.
 
 use typed_index_collections::{TiVec, ti_vec};
 
-use super::cores::longest_wait;
 use super::{Cycle, Facts, Turns, Window};
+use crate::analytic::demand::longest_wait;
 use crate::analytic::latest::{NEVER, Requested};
 use crate::analytic::windows::{ClientWindow, Requests, shuts_down, whole_run};
 use crate::system::{CodelId, ComponentId, FOREVER, Policy, ServiceId, TaskId, TimedSystem, Yield};

@@ -26,11 +26,16 @@
 //! less than *R* before it, if each ends by *R* after its tick; the first cycle and the ticks after it, if
 //! that can be under way; and one cycle more on each side if it can be late. An aperiodic task executes every
 //! codel at most as often as its instances can.
+//!
+//! If the tick of the job is known, the ticks of the others are known as well: of the cycle under way, what
+//! its bound leaves counts, and the cycles of the ticks in the window. A late task has one raised flag at
+//! most, and one more for each tick.
 
 use std::cmp::Reverse;
 
 use super::jobs::Single;
-use super::{Cycle, Known, Knowns, Window, executed_once, first_tick};
+use super::{Cycle, Known, Knowns, Window, executed_once};
+use crate::analytic::demand::longest_wait;
 use crate::system::{CodelId, ComponentId, Policy, TaskId};
 
 /// A thread that can have a core while a job waits.
@@ -153,7 +158,7 @@ impl Window<'_> {
                 if let Some(after) = phase.and_then(|phase| phase.goes_after) {
                     return after;
                 }
-                let first_tick = first_tick(self.system, other).unwrap_or(0);
+                let first_tick = self.system.first_tick(other).unwrap_or(0);
                 let first = if self.is_started(other, job.task, job.cycle, known) {
                     Some(0)
                 } else {
@@ -313,8 +318,8 @@ impl Window<'_> {
         phased.into_iter().chain(at_any_time).min()
     }
 
-    /// Returns the work of another task that meets its deadlines, if the time of the job is known. `first` and
-    /// `each` are the greatest work in the first cycle and in another one.
+    /// Returns the work of another task, if the time of the job is known. `first` and `each` are the greatest
+    /// work in the first cycle and in another one.
     fn phase(
         &self,
         other: TaskId,
@@ -324,7 +329,7 @@ impl Window<'_> {
     ) -> Option<Phase> {
         let Single { jobs, from, to } = job.single?;
         let period = u64::from(self.system.tasks[other].period?);
-        let first_tick = first_tick(self.system, other)?;
+        let first_tick = self.system.first_tick(other)?;
         let Known { begins, next, ends, after_tick, .. } = known[other];
         let is_started = ends.is_some_and(|ends| ends <= from);
         let ticks = |time: u64| time.checked_sub(first_tick).map_or(0, |time| time / period + 1);
@@ -420,18 +425,4 @@ impl Window<'_> {
             sum.checked_add(u64::from(time).checked_mul(u64::from(often?))?)
         })
     }
-}
-
-/// Returns the greatest *x* with cores · *x* ≤ Σ min(work, *x*), rounded up; `None` if there is no core.
-pub(in crate::analytic) fn longest_wait(cores: u64, mut works: Vec<u64>) -> Option<u64> {
-    works.sort_unstable_by_key(|&work| Reverse(work));
-    let mut rest = works.iter().try_fold(0u64, |sum, &work| sum.checked_add(work))?;
-    for (left, work) in (1..=cores).rev().zip(works) {
-        // The works before this one last longer than the wait, so that each of them occupies a core.
-        if work.checked_mul(left)? <= rest {
-            return Some(rest.div_ceil(left));
-        }
-        rest -= work;
-    }
-    (cores > 0).then_some(0)
 }

@@ -9,10 +9,11 @@ use rustc_hash::FxHashMap;
 use typed_index_collections::{TiVec, ti_vec};
 
 use super::control::Control;
-use super::{Bound, Cycle, Facts, Known, Knowns, Turns, Window, first_tick, known};
+use super::{Bound, Cycle, Facts, Known, Knowns, Turns, Window, known};
 use crate::analytic::greatest_common_divisor;
 use crate::analytic::latest::{NEVER, latest};
-use crate::analytic::windows::{ClientWindow, Requests, Situations, requests_at, timed_windows};
+use crate::analytic::situations::Situations;
+use crate::analytic::windows::{ClientWindow, Requests, requests_at, timed_windows};
 use crate::system::{TaskId, Ticks, TimedSystem};
 
 /// Number of jobs above which they are not told apart.
@@ -322,7 +323,7 @@ fn jobs(
     for &task in tasks {
         let length = system.tasks[task].period?;
         let of_clients = &of_clients[&length];
-        let (first, period) = (first_tick(system, task)?, u64::from(length));
+        let (first, period) = (system.first_tick(task)?, u64::from(length));
         let next = out.times.iter().skip(1).copied().chain([NEVER]);
         for (&begins, next) in out.times.iter().zip(next) {
             let begins = begins.max(facts[task].next);

@@ -4,8 +4,9 @@ use typed_index_collections::TiVec;
 
 use super::Cycle;
 use crate::analytic::instances::{self, Party};
+use crate::analytic::situations::Situations;
 use crate::analytic::ways::{Ways, resumed};
-use crate::analytic::windows::{Situations, stops};
+use crate::analytic::windows::stops;
 use crate::system::loops::pauseless_cycles;
 use crate::system::{AutomatonId, CodelId, TaskId, Ticks, TimedSystem};
 
