@@ -40,6 +40,9 @@ mod turns;
 
 pub(super) use self::turns::Turns;
 
+/// Length of the windows of aperiodic tasks, in longest periods. Their bounds are shorter than a window.
+const PERIODS: Ticks = 4;
+
 /// Upper limit on the number of rounds: a quick bound must be quick.
 const ROUNDS: usize = 1000;
 
@@ -86,7 +89,7 @@ struct Known {
 
 type Knowns = TiVec<TaskId, Known>;
 
-/// What is known of all tasks.
+/// The bounds of all tasks, and the times that follow from them.
 struct Facts<'f> {
     bounds: &'f TiVec<TaskId, Bound>,
     known: &'f Knowns,
@@ -138,7 +141,8 @@ pub(super) fn response_bounds(system: &TimedSystem) -> TiVec<TaskId, Option<Tick
     let situations = situations(system);
     let turns = Turns::new(system, &situations);
     // The length of the windows of the jobs of each task, and the windows.
-    let length = |task: TaskId| system.tasks[task].period.unwrap_or(longest.saturating_mul(4));
+    let length =
+        |task: TaskId| system.tasks[task].period.unwrap_or(longest.saturating_mul(PERIODS));
     let of_task = |task: TaskId| -> Vec<Window> {
         let all = windows(system, &situations, length(task)).into_iter();
         all.map(|client| Window::new(&turns, client, Some(length(task)))).collect()

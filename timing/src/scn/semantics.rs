@@ -244,7 +244,7 @@ pub enum Copies {
     OfAttributes,
 }
 
-/// What codels exclude each other for, beside connected ports.
+/// The reason for which codels exclude each other, besides ports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Exclusion {
     /// The lists of `mutex`, as codels with tickets test them (section 21).
@@ -277,7 +277,7 @@ pub struct FixedPoints {
     pub counts_clock_ticks: bool,
     /// Services have an order (`after`, `before`).
     pub has_order: bool,
-    /// Clients can send `abort`, `kill` and `connect`, and await outcomes in the way of the servers.
+    /// Clients can send `abort`, `kill` and `connect`, and await the success or failure of a request.
     pub has_builtin_services: bool,
     /// Codels that are `async` can have threads of their own.
     pub may_run_apart: bool,
