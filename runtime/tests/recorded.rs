@@ -76,7 +76,7 @@ impl Recorder {
     }
 
     fn monitor(&self, prepared: &Prepared, log: &str) -> MonitorReport {
-        self.monitor_with(prepared, response_bounds(&prepared.built.system).raw, log)
+        self.monitor_with(prepared, response_bounds(&prepared.built.system, &Cancel::default()).raw, log)
     }
 
     fn monitor_with(

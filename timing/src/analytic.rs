@@ -48,6 +48,7 @@ use self::rivals::{Rivals, excluded};
 use self::situations::{Situations, situations};
 use self::ways::{Ways, resumed};
 use self::windows::{Requests, whole_run, windows};
+use crate::cancel::Cancel;
 use crate::scn::semantics::{Cycle, Semantics};
 use crate::system::{
     AutomatonId, CodelId, CodelSet, FOREVER, ServiceId, TaskId, Ticks, TimedSystem,
@@ -55,14 +56,15 @@ use crate::system::{
 
 /// Returns a bound on the response time of every task, or `None` where this method finds none. Under the
 /// semantics of the servers other things delay a job, and a separate method applies (see `servers`). If
-/// single points of the semantics are changed, there are no bounds.
-pub fn response_bounds(system: &TimedSystem) -> TiVec<TaskId, Option<Ticks>> {
+/// single points of the semantics are changed, there are no bounds, nor if `cancel` is over before they are
+/// found.
+pub fn response_bounds(system: &TimedSystem, cancel: &Cancel) -> TiVec<TaskId, Option<Ticks>> {
     if system.platform.semantics.fixed().cycle == Cycle::Passes {
         // A client of `abort`, `kill` or `connect` causes `stop` codels, and stops the queue, at any time.
         let plain = !system.has_builtin(|_| true);
         let queued = system.platform.semantics == Semantics::SERVERS && plain;
         return if queued {
-            servers::response_bounds(system)
+            servers::response_bounds(system, cancel)
         } else {
             ti_vec![None; system.tasks.len()]
         };
@@ -78,7 +80,8 @@ pub fn response_bounds(system: &TimedSystem) -> TiVec<TaskId, Option<Ticks>> {
                 *late |= growing;
             }
         }
-        if round == MAX_GROWTH_ROUNDS * (2 + system.tasks.len()) {
+        let interrupted = round % POLL == 0 && cancel.is_over();
+        if interrupted || round == MAX_GROWTH_ROUNDS * (2 + system.tasks.len()) {
             return ti_vec![None; system.tasks.len()];
         }
     }
@@ -94,6 +97,9 @@ pub fn meets_deadlines(system: &TimedSystem, task: TaskId, bound: Option<Ticks>)
 
 /// Rounds after which a task with a bound that still grows counts as late: a quick bound must be quick.
 const MAX_GROWTH_ROUNDS: usize = 100;
+
+/// Number of rounds between two looks at the cancellation.
+const POLL: usize = 16;
 
 /// Number of times since a tick above which the phase of a task is not used.
 const MAX_PHASES: u64 = 64;

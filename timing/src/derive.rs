@@ -8,28 +8,35 @@
 
 mod sensitivity;
 
-use std::sync::{PoisonError, RwLock};
-
 use dotgen_analysis::model::Seconds;
 use num_rational::Ratio;
 use serde::Serialize;
 
-use crate::analytic::{meets_deadlines, response_bounds};
-use crate::diagnostic::{Diagnostic, Severity};
-use crate::explore::{Findings, Limits, Stop, Watch, explore};
+use crate::diagnostic::Diagnostic;
+use crate::explore::Limits;
 use crate::limit::{Grid, Phase};
 use crate::property::resolve;
 use crate::report::{TimeUnit, Value, Verdict};
-use crate::scn::ast::{CheckKind, Durations, Path, Scenario};
+use crate::scn::ast::{Check, CheckKind, Durations, Path, Scenario};
 use crate::scn::names::{Names, Target};
 use crate::system::build::build;
-use crate::system::indexed::DeclaredTask;
 use crate::system::indexed::not_a;
 use crate::system::settings::Settings;
-use crate::system::{TaskId, TimedSystem};
-use crate::verify::tasks_with_jobs::tasks_with_jobs;
-use crate::verify::{Cancel, Options, SystemInput, settings};
+use crate::verify::{Cancel, Options, SystemInput, errors, settings, verify_until_failure};
 pub use sensitivity::{InterimResult, NextToBreak, Progress, Quantity, Sensitivity, sensitivity};
+
+/// Greatest number of verifications that run at the same time. Each has this part of the memory, so that the
+/// answers do not depend on the number of threads.
+const MAX_TOGETHER: usize = 16;
+
+/// Part of the states that each verification may have: a question needs many of them.
+const SHARE_OF_STATES: usize = 20;
+
+/// Limit on the actions of each verification.
+const MAX_STEPS: u64 = 20_000_000;
+
+/// Part of the time limit that each verification may take, so that no value keeps all others from being tried.
+const SHARE_OF_TIME: u32 = 10;
 
 /// The fewest cores that suffice.
 #[derive(Debug, Clone, Serialize)]
@@ -129,8 +136,6 @@ struct DerivationContext<'a> {
     together: usize,
     /// Limits of each verification.
     share: Limits,
-    /// Shared by all explorations; exclusive for one that needs more than its share of the memory.
-    memory: RwLock<()>,
 }
 
 impl<'a> DerivationContext<'a> {
@@ -142,32 +147,19 @@ impl<'a> DerivationContext<'a> {
         cancel: &'a Cancel,
     ) -> Self {
         let limits = options.limits;
-        let together = limits.threads.clamp(1, questions.max(1));
         DerivationContext {
             names,
             scenario,
             options,
             cancel,
-            together,
-            share: Limits { bytes: limits.bytes / together, ..limits },
-            memory: RwLock::default(),
+            together: limits.threads.clamp(1, questions.clamp(1, MAX_TOGETHER)),
+            share: Limits {
+                states: limits.states / SHARE_OF_STATES,
+                steps: limits.steps.min(MAX_STEPS),
+                bytes: limits.bytes / MAX_TOGETHER,
+                ..limits
+            },
         }
-    }
-
-    /// Explores with a share of the memory. If the share is not enough, explores with all of the memory,
-    /// while no other exploration runs.
-    fn explore(&self, system: &TimedSystem, watch: &Watch, phase: Phase) -> Findings {
-        let mut share = self.share;
-        share.states = share.states.min(phase.states());
-        let found = {
-            let _together = self.memory.read().unwrap_or_else(PoisonError::into_inner);
-            explore(system, watch, share, self.cancel)
-        };
-        if self.together == 1 || found.stopped != Some(Stop::Memory) {
-            return found;
-        }
-        let _alone = self.memory.write().unwrap_or_else(PoisonError::into_inner);
-        explore(system, watch, self.options.limits, self.cancel)
     }
 
     fn one(&self, question: &Parameter) -> Result<DerivedValue, Vec<Diagnostic>> {
@@ -366,98 +358,43 @@ fn same_codel(
     }
 }
 
-/// The settings to vary, and the tasks that must stay schedulable.
+/// The settings to vary, with a check of each task that must stay schedulable.
 struct Variation<'v> {
     asked: &'v DerivationContext<'v>,
     settings: Settings,
-    tasks: Vec<DeclaredTask>,
 }
 
 impl<'v> Variation<'v> {
     fn new(asked: &'v DerivationContext<'v>) -> Result<Self, Vec<Diagnostic>> {
-        let names = asked.names;
-        let settings = settings(asked.scenario, asked.options);
-        let mut errors: Vec<Diagnostic> = build(names, &settings, &|_| true).diagnostics;
-        errors.retain(|error| error.severity == Severity::Error);
-        let mut tasks = Vec::new();
-        let mut all = true;
-        for check in &settings.checks {
-            if let CheckKind::Schedulable(path) = &check.kind {
-                match path.as_ref().map(|path| resolve::task(names, path)) {
-                    None => {
-                        all = true;
-                        tasks.clear();
-                        break;
-                    }
-                    Some(Ok(task)) => {
-                        all = false;
-                        tasks.push(task);
-                    }
-                    Some(Err(error)) => errors.push(error),
-                }
-            }
+        let mut settings = settings(asked.scenario, asked.options);
+        settings.checks.retain(|check| matches!(check.kind, CheckKind::Schedulable(_)));
+        if settings.checks.is_empty() {
+            let kind = CheckKind::Schedulable(None);
+            settings.checks.push(Check { name: None, subject: None, kind, range: 0..0 });
         }
-        if all {
-            for (c, member) in names.components.iter().enumerate() {
-                let periodic = member.component.tasks.iter_enumerated();
-                let periodic = periodic.filter(|(_, task)| task.period.is_some());
-                tasks.extend(periodic.map(|(index, _)| DeclaredTask { component: c, index }));
-            }
-        }
-        if !errors.is_empty() {
-            return Err(errors);
-        }
-        Ok(Variation { asked, settings, tasks })
+        let errors = errors(asked.names, &settings);
+        if errors.is_empty() { Ok(Variation { asked, settings }) } else { Err(errors) }
     }
 
-    /// Verifies the tasks, first with durations rounded to the unit of the scenario, if what holds with them
-    /// holds.
+    /// Verifies the tasks.
     fn schedulable(&self, phase: Phase) -> Verdict {
-        if self.settings.unit.is_some() && self.rounding_adds_runs() {
-            let rounded = Settings { rounds: true, ..self.settings.clone() };
-            if self.schedulable_with(&rounded, phase).holds() {
-                return Verdict::Proved;
-            }
-        }
-        self.schedulable_with(&self.settings, phase)
-    }
-
-    fn rounding_adds_runs(&self) -> bool {
-        self.settings.durations == Durations::Interval && !self.settings.preempts()
-    }
-
-    fn schedulable_with(&self, settings: &Settings, phase: Phase) -> Verdict {
         let asked = self.asked;
         if asked.cancel.is_over() {
             return Verdict::Unknown;
         }
-        let built = build(asked.names, settings, &|_| true);
-        if built.has_errors() {
-            return Verdict::Unknown;
-        }
-        let tasks: Vec<TaskId> = self.tasks.iter().map(|task| built.tasks[task]).collect();
-        let bounds = response_bounds(&built.system);
-        // A bound proves nothing of a task that may have no job.
-        let released = tasks_with_jobs(&built.system);
-        let proved =
-            |task: TaskId| released[task] && meets_deadlines(&built.system, task, bounds[task]);
-        let open: Vec<TaskId> = tasks.into_iter().filter(|&task| !proved(task)).collect();
-        let watch = Watch { schedulable: open.clone(), stop_at_first: true, ..Watch::default() };
-        if watch.schedulable.is_empty() {
-            return Verdict::Proved;
-        }
-        let found = asked.explore(&built.system, &watch, phase);
-        let never_starts =
-            |task| (found.absent.job(task)).is_some_and(|job| job.start_up.is_some());
-        let is_exact = built.rounded.is_empty();
-        if found.missed.iter().any(Option::is_some) {
-            if is_exact { Verdict::Refuted } else { Verdict::Unknown }
-        } else if found.stopped.is_some_and(|stop| stop != Stop::Answered) {
+        let part = asked.cancel.time_limit().map(|limit| asked.cancel.part(limit / SHARE_OF_TIME));
+        let cancel = part.as_ref().unwrap_or(asked.cancel);
+        let limits = Limits { states: asked.share.states.min(phase.states()), ..asked.share };
+        let report = verify_until_failure(asked.names, &self.settings, limits, cancel);
+        let verdicts = report.checks.iter().map(|check| check.verdict);
+        // A task without times or jobs says nothing about the others. Where no job is ever released, the
+        // deadlines are kept for that reason only.
+        let mut verdicts = verdicts.filter(|&verdict| verdict != Verdict::Nothing).peekable();
+        if report.has_errors() || verdicts.peek().is_none() {
             Verdict::Unknown
-        } else if open.iter().any(|&task| never_starts(task)) {
-            // Deadlines are kept only because no job is ever released.
+        } else if verdicts.clone().any(|of| matches!(of, Verdict::Refuted | Verdict::Vacuous)) {
             Verdict::Refuted
-        } else if is_exact || self.rounding_adds_runs() {
+        } else if verdicts.all(Verdict::holds) {
             Verdict::Proved
         } else {
             Verdict::Unknown

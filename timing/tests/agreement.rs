@@ -136,7 +136,7 @@ fn compare_system(
             let first = &expected.within_at[i];
             excess("within", i, asked.limit, first, &found.within[i], age)?;
         }
-        let quick = response_bounds(system);
+        let quick = response_bounds(system, &Cancel::default());
         for (&t, response) in measured.iter().zip(&found.response) {
             if let (Some(quick), Some(exact)) = (quick[TaskId::from(t)], response)
                 && exact.bound > Bound::Finite(quick)

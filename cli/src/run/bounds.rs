@@ -42,7 +42,7 @@ pub(crate) fn of_tasks(
     prepared: &Prepared,
     interrupt: &Interrupt,
 ) -> Vec<Option<Ticks>> {
-    let mut bounds = analysed(source, &prepared.built.system);
+    let mut bounds = analysed(source, &prepared.built.system, interrupt);
     if source == Source::Proved {
         let proving = BoundVerification::new(prepared);
         proving.prove(problem, options, STATES, &Cancel::interrupted_by(interrupt));
@@ -61,7 +61,7 @@ pub(super) fn at_once(
     prepared: &Prepared,
     interrupt: &Interrupt,
 ) -> (Vec<Option<Ticks>>, Option<BoundVerification>) {
-    let mut bounds = analysed(source, &prepared.built.system);
+    let mut bounds = analysed(source, &prepared.built.system, interrupt);
     if source != Source::Proved {
         return (bounds, None);
     }
@@ -73,10 +73,10 @@ pub(super) fn at_once(
     (bounds, left.then_some(proving))
 }
 
-fn analysed(source: Source, system: &TimedSystem) -> Vec<Option<Ticks>> {
+fn analysed(source: Source, system: &TimedSystem, interrupt: &Interrupt) -> Vec<Option<Ticks>> {
     match source {
         Source::None => vec![None; system.tasks.len()],
-        Source::Proved | Source::Analysed => response_bounds(system).raw,
+        Source::Proved | Source::Analysed => response_bounds(system, &Cancel::interrupted_by(interrupt)).raw,
     }
 }
 

@@ -14,7 +14,7 @@ use crate::system::build::build;
 use crate::system::indexed::Built;
 use crate::system::settings::Settings;
 use crate::system::{Codel, CodelName, FOREVER, SharedPorts, TaskId, Ticks};
-use crate::verify::{Cancel, verify_settings};
+use crate::verify::{Cancel, verify_until_failure};
 
 /// Number of additional cores that are tried.
 const MORE_CORES: u32 = 3;
@@ -71,7 +71,7 @@ impl<'t> Trial<'t> {
         if late || self.cancel.is_over() {
             return Verdict::Unknown;
         }
-        let report = verify_settings(self.names, settings, limits, self.cancel, &|_| {});
+        let report = verify_until_failure(self.names, settings, limits, self.cancel);
         let checks = &report.checks;
         if report.has_errors() || checks.is_empty() {
             Verdict::Unknown

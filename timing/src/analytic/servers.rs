@@ -28,6 +28,7 @@ use typed_index_collections::{TiVec, ti_vec};
 
 use super::situations::situations;
 use super::windows::{ClientWindow, windows};
+use crate::cancel::Cancel;
 use crate::system::{
     AutomatonId, CodelId, CodelSet, Machine, ServiceId, TaskId, Ticks, TimedSystem, Yield,
 };
@@ -130,7 +131,7 @@ fn known(system: &TimedSystem, bounds: &TiVec<TaskId, Bound>) -> Knowns {
 }
 
 /// Returns a bound on the response time of every task; `None` if there is none.
-pub(super) fn response_bounds(system: &TimedSystem) -> TiVec<TaskId, Option<Ticks>> {
+pub(super) fn response_bounds(system: &TimedSystem, cancel: &Cancel) -> TiVec<TaskId, Option<Ticks>> {
     let none = || ti_vec![None; system.tasks.len()];
     if !is_within_components(system) {
         return none();
@@ -178,7 +179,7 @@ pub(super) fn response_bounds(system: &TimedSystem) -> TiVec<TaskId, Option<Tick
             })
             .collect();
         if next == bounds {
-            let bounds = jobs::improve(&turns, &situations, &all, bounds);
+            let bounds = jobs::improve(&turns, &situations, &all, bounds, cancel);
             let known = self::known(system, &bounds);
             let bound = |task: TaskId| {
                 let Bound { other, second, .. } = bounds[task];

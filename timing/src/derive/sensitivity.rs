@@ -94,7 +94,7 @@ pub fn sensitivity(
 ) -> Result<Sensitivity, Vec<Diagnostic>> {
     let names = Names::new(&input.specs);
     let system = build(&names, &settings(scenario, options), &|_| true).system;
-    let questions = questions(&system);
+    let questions = questions(&system, cancel);
     let asked = DerivationContext::of(questions.len(), &names, scenario, options, cancel);
     let answers = questions::all(
         &questions,
@@ -135,8 +135,8 @@ pub fn sensitivity(
 }
 
 /// Returns the questions, in the order of [`sensitivity`].
-fn questions(system: &TimedSystem) -> Vec<Parameter> {
-    let bounds = response_bounds(system);
+fn questions(system: &TimedSystem, cancel: &Cancel) -> Vec<Parameter> {
+    let bounds = response_bounds(system, cancel);
     // The part of its period that a task may take; a task without a bound comes first.
     let near = |task: TaskId| match (system.tasks[task].period, bounds[task]) {
         (None, _) => 0.0,

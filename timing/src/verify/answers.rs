@@ -1,6 +1,6 @@
 //! Answers to single checks, from the findings of an exploration.
 
-use super::Group;
+use super::part::Group;
 use super::checks::{Single, What};
 use super::units::{limit_text, seconds};
 use crate::explore::{Bound, Findings, LivenessQuery, Measured, Run, Stop, liveness};

@@ -6,7 +6,7 @@
 use std::cell::OnceCell;
 use typed_index_collections::{TiVec, ti_vec};
 
-use super::Group;
+use super::part::Group;
 use super::checks::{Single, What};
 use super::tasks_with_jobs::tasks_with_jobs;
 use crate::abstraction::{Budget, Refusal, abstract_bounds};
@@ -17,8 +17,10 @@ use crate::system::indexed::Built;
 use crate::system::{TaskId, Ticks};
 
 /// Bounds on the response times of the tasks of a system.
+#[derive(Clone)]
 pub(super) struct ResponseBounds<'b> {
     built: &'b Built,
+    cancel: &'b Cancel,
     bounds: TiVec<TaskId, Option<Ticks>>,
     /// The analysis that found the bound, by task.
     layers: TiVec<TaskId, Layer>,
@@ -29,10 +31,11 @@ pub(super) struct ResponseBounds<'b> {
 }
 
 impl<'b> ResponseBounds<'b> {
-    pub(super) fn new(built: &'b Built) -> Self {
+    pub(super) fn new(built: &'b Built, cancel: &'b Cancel) -> Self {
         ResponseBounds {
             built,
-            bounds: response_bounds(&built.system),
+            cancel,
+            bounds: response_bounds(&built.system, cancel),
             layers: ti_vec![Layer::ResponseTimeAnalysis; built.system.tasks.len()],
             abstracted: false,
             released: OnceCell::new(),
@@ -126,7 +129,7 @@ impl<'b> ResponseBounds<'b> {
 
     /// Returns true if the task certainly has jobs.
     fn is_released(&self, task: TaskId) -> bool {
-        self.released.get_or_init(|| tasks_with_jobs(&self.built.system))[task]
+        self.released.get_or_init(|| tasks_with_jobs(&self.built.system, self.cancel))[task]
     }
 
     /// Returns a bound on the response time of the task, for a check of a deadline or a response time.

@@ -1,7 +1,8 @@
 //! The certificate of a report: the claims of the checks that invariants answer.
 
 use super::checks::expand;
-use super::{Group, Options, Parted, SystemInput, parted, settings};
+use super::part::{Group, Parted, parted};
+use super::{Options, SystemInput, settings};
 use crate::cancel::Cancel;
 use crate::invariants::certificate::{ScenarioCertificate, SystemCertificate, Uncertified};
 use crate::property::Predicate;
@@ -33,6 +34,7 @@ pub fn certificate(
             unit: TimeUnit::of(&settings),
             settings: &settings,
             limits: options.limits,
+            until_failure: false,
             cancel: &Cancel::default(),
             tell: &|_| {},
         };

@@ -1,6 +1,6 @@
 //! Checks of cause-effect chains: reaction time and data age (section 19).
 
-use super::Group;
+use super::part::Group;
 use super::answers::exceeded;
 use super::checks::{ChainOf, Single};
 use super::units::limit_text;

@@ -47,6 +47,11 @@ impl What<'_> {
         }
     }
 
+    /// Returns true if single states do not answer the check, so that it is explored on its own.
+    pub(super) fn is_lasting(&self) -> bool {
+        matches!(self, What::Chain(_) | What::LeadsTo(..) | What::Eventually(_))
+    }
+
     /// Returns the task of the check.
     pub(super) fn task(&self) -> Option<DeclaredTask> {
         match *self {

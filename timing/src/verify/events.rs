@@ -1,6 +1,6 @@
 //! Conversion of runs to the events of a report.
 
-use super::Group;
+use super::part::Group;
 use crate::explore::{Blocker, Executing, Moment, MomentDetails, MomentKind, Run};
 use crate::report::{Blocking, CheckReport, Event, TimeUnit, Verdict};
 use crate::scn::names::Names;
@@ -15,6 +15,9 @@ impl Group<'_> {
             return;
         }
         out.verdict = Verdict::Refuted;
+        if self.until_failure {
+            return;
+        }
         out.reason = self.reason(run, out.id.task);
         out.job = self.late_job(run, out);
         out.counterexample = self.events(run);
@@ -35,6 +38,9 @@ impl Group<'_> {
 
     /// Sets the run that shows the value of a check.
     pub(super) fn witness(&self, run: &Run, out: &mut CheckReport) {
+        if self.until_failure {
+            return;
+        }
         out.witness = self.events(run);
         out.left_out = run.left_out;
         out.kept = self.kept(run);

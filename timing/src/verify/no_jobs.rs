@@ -3,7 +3,7 @@
 
 use dotgen_analysis::model::{CodelKind, CodelRef, Owner};
 
-use super::Group;
+use super::part::Group;
 use super::checks::Single;
 use crate::report::{CheckReport, Verdict};
 use crate::scn::semantics::Cycle;

@@ -1,7 +1,8 @@
 //! Systems prepared for a run, with the questions of their checks.
 
 use super::checks::{Single, What, expand};
-use super::{Cancel, Group, Options, SystemInput, events, settings};
+use super::part::Group;
+use super::{Cancel, Options, SystemInput, events, settings};
 use crate::diagnostic::Diagnostic;
 use crate::explore::{Run, Watched};
 use crate::property::{Monitor, Predicate, data, resolve};
@@ -82,6 +83,7 @@ pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> P
         unit,
         settings: &settings,
         limits: options.limits,
+        until_failure: false,
         cancel: &cancel,
         tell: &|_| {},
     };

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Group, SystemInput, events};
+use super::part::Group;
+use super::{SystemInput, events};
 use crate::explore::{Action, NextStep, Run, SystemRun};
 use crate::report::{Event, TimeUnit};
 use crate::scn::names::Names;

@@ -1,6 +1,6 @@
 //! The watch list of the explorer, from the checks.
 
-use super::Group;
+use super::part::Group;
 use super::bounds::ResponseBounds;
 use super::checks::{Single, What};
 use crate::explore::{ResponseTime, Watch, Within};

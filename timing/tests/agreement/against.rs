@@ -141,7 +141,7 @@ fn compare_without(name: &str, texts: &Texts, without: Kinds) -> Option<Result<(
 /// Reports bounds of response-time analysis and of the middle tier that some run exceeds, and bounds although
 /// a deadline is missed.
 fn beyond_abstraction(system: &TimedSystem, expected: &[(String, Json)]) -> Vec<String> {
-    let quick = response_bounds(system);
+    let quick = response_bounds(system, &Cancel::default());
     let few = system.platform.cores.is_some() && quick.iter().any(Option::is_some);
     QUICK_ON_CORES.fetch_add(usize::from(few), Ordering::Relaxed);
     let mut wrong = exceeded(system, ("response-time analysis", &quick.raw), expected);

@@ -31,7 +31,7 @@ fn bounds_of(preset: Preset, specifications: &[&str], scenario: &str) -> String 
     settings.preset = preset;
     let built = build(&names, &settings, &|_| true);
     assert!(!built.has_errors(), "{:?}", built.diagnostics);
-    let bounds = response_bounds(&built.system);
+    let bounds = response_bounds(&built.system, &Cancel::default());
     let lines = bounds.iter().enumerate().map(|(task, bound)| {
         let bound = bound.map_or("-".to_owned(), |bound| bound.to_string());
         format!("{} {bound}\n", built.system.task_path(TaskId::from(task)))

@@ -7,7 +7,7 @@ use dotgen_timing::system::TaskId;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::build::build;
 use dotgen_timing::system::indexed::DeclaredTask;
-use dotgen_timing::verify::{Options, settings};
+use dotgen_timing::verify::{Cancel, Options, settings};
 
 use super::Problem;
 use dotgen_timing::report::TimeUnit;
@@ -23,7 +23,7 @@ pub struct TaskBound {
 }
 
 /// Response-time analysis with blocking. Tasks for which it finds no bound are absent.
-pub fn quick_bounds(problem: &Problem, options: &Options) -> Vec<TaskBound> {
+pub fn quick_bounds(problem: &Problem, options: &Options, cancel: &Cancel) -> Vec<TaskBound> {
     let specs = problem.specs();
     let names = Names::new(&specs);
     let settings = settings(&problem.scenario, options);
@@ -32,7 +32,7 @@ pub fn quick_bounds(problem: &Problem, options: &Options) -> Vec<TaskBound> {
         return Vec::new();
     }
     let (unit, system) = (TimeUnit::of(&settings), &built.system);
-    let bounds = response_bounds(system);
+    let bounds = response_bounds(system, cancel);
     let of_task = |(&id, &task): (&DeclaredTask, &TaskId)| {
         let bound: Seconds = system.seconds(bounds[task]?);
         Some(TaskBound { id, task: system.task_path(task), bound: unit.from_seconds(bound) })

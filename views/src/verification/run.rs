@@ -46,7 +46,7 @@ pub fn run(
         return;
     }
     cancel.limit(limit);
-    let bounds = Arc::new(quick_bounds(&problem, &options));
+    let bounds = Arc::new(quick_bounds(&problem, &options, cancel));
     tell(Interim::Bounds(bounds.clone()));
     let answer = |report, why, repairs, cores| {
         Arc::new(Answer {

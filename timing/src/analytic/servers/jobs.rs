@@ -11,6 +11,7 @@ use typed_index_collections::{TiVec, ti_vec};
 use super::control::Control;
 use super::{Bound, Cycle, Facts, Known, Knowns, Turns, Window, known};
 use crate::analytic::greatest_common_divisor;
+use crate::cancel::Cancel;
 use crate::analytic::latest::{NEVER, latest};
 use crate::analytic::situations::Situations;
 use crate::analytic::windows::{ClientWindow, Requests, requests_at, timed_windows};
@@ -126,6 +127,7 @@ pub(super) fn improve(
     situations: &[Situations],
     windows: &TiVec<TaskId, Vec<Window>>,
     mut bounds: TiVec<TaskId, Bound>,
+    cancel: &Cancel,
 ) -> TiVec<TaskId, Bound> {
     let system = turns.system;
     let mut evaluations = 0;
@@ -152,6 +154,7 @@ pub(super) fn improve(
             all,
             jobs,
             evaluations: &mut evaluations,
+            cancel,
         };
         match single.bounds(&bounds).filter(|improved| *improved != bounds) {
             Some(improved) => bounds = improved,
@@ -175,6 +178,7 @@ struct SingleJobs<'w, 's, 'e> {
     jobs: Jobs,
     /// Number of evaluations of jobs, in each of their windows, so far.
     evaluations: &'e mut usize,
+    cancel: &'e Cancel,
 }
 
 impl SingleJobs<'_, '_, '_> {
@@ -224,9 +228,10 @@ impl SingleJobs<'_, '_, '_> {
         None
     }
 
-    /// Returns true if there have been too many evaluations. What has been found so far is no bound then.
+    /// Returns true if there have been too many evaluations, or no bound is wanted any more. What has been
+    /// found so far is no bound then.
     fn is_over(&self) -> bool {
-        *self.evaluations > MAX_EVALUATIONS
+        *self.evaluations > MAX_EVALUATIONS || self.cancel.is_over()
     }
 
     /// Returns the greatest time of a cycle that begins between two times.

@@ -1,12 +1,12 @@
 //! Answers by invariants: what never holds, without an exploration of the system.
 
-use super::Group;
-use super::checks::{Single, What};
 use crate::explore::{Findings, Kind, Watch, search_once};
 use crate::invariants::never_holds;
 use crate::property::{Atom, Predicate, resolve};
 use crate::report::{CheckReport, Layer, Report, Soundness, Verdict};
 use crate::scn::ast::Pred;
+use crate::verify::checks::{Single, What};
+use crate::verify::part::{Group, Part};
 
 /// Limit on the actions of the random search for the parts of predicates: a proof about parts that never
 /// become true says nothing.
@@ -15,29 +15,27 @@ const STEPS: u64 = 100_000;
 /// The note of an answer.
 const NOTE: &str = "by invariants, for any execution times";
 
-impl Group<'_> {
-    /// Answers the checks of predicates that invariants prove, and whose parts become true.
-    pub(super) fn invariants(&self, checks: &[Single], of_group: &[usize], report: &mut Report) {
-        let open = of_group.iter().copied();
-        let proved: Vec<usize> =
-            open.filter(|&i| report.is_open(i) && self.is_invariant(&checks[i])).collect();
-        if proved.is_empty() {
-            return;
-        }
-        let claims = proved.iter().filter_map(|&i| self.claim(&checks[i]));
-        let absent = self.not_found(claims.collect());
-        for i in proved {
-            let vacuous = self
-                .claim(&checks[i])
-                .is_some_and(|claim| claim.is_vacuous(&|atom| absent.contains(atom)));
-            // The exploration may find the parts later.
-            if !vacuous {
-                report.answer(i, self.by_invariants(&checks[i]));
-            }
-        }
-        (self.tell)(report);
+/// Answers the checks of predicates that invariants prove, and whose parts become true.
+pub(super) fn answer(part: &mut Part, report: &mut Report) {
+    let group = part.group;
+    let mut proved = part.open(report);
+    proved.retain(|(_, check)| group.is_invariant(check));
+    if proved.is_empty() {
+        return;
     }
+    let claims = proved.iter().filter_map(|(_, check)| group.claim(check));
+    let absent = group.not_found(claims.collect());
+    for (i, check) in proved {
+        let claim = group.claim(check);
+        let vacuous = claim.is_some_and(|claim| claim.is_vacuous(&|atom| absent.contains(atom)));
+        // The exploration may find the parts later.
+        if !vacuous {
+            report.answer(i, group.by_invariants(check));
+        }
+    }
+}
 
+impl Group<'_> {
     /// Returns what a check claims to hold always.
     fn claim(&self, check: &Single) -> Option<Predicate> {
         match check.what {
@@ -47,7 +45,7 @@ impl Group<'_> {
     }
 
     /// Returns the predicate that holds in no state if invariants answer a check.
-    pub(super) fn excluded(&self, check: &Single) -> Option<Predicate> {
+    pub(in crate::verify) fn excluded(&self, check: &Single) -> Option<Predicate> {
         match check.what {
             What::Reachable(pred) => self.predicate(pred),
             _ => (self.claim(check)).map(|claim| Predicate::Not(Box::new(claim))),
