@@ -11,6 +11,7 @@ mod continued;
 mod details;
 mod findings;
 mod follow;
+mod held_cores;
 mod last_job;
 mod liveness;
 mod measure;

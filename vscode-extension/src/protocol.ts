@@ -260,7 +260,10 @@ export interface Limit {
 export interface LimitsAnswer {
   version: number | null;
   errors: string[];
-  cores: number | null;
+  /** What the limits are about: `every deadline`. */
+  deadlines: string;
+  cores: string;
+  coresRemark: string;
   wcet: Limit[];
   period: Limit[];
 }

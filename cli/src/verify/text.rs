@@ -161,13 +161,20 @@ pub(super) fn tail(answer: &Answer, explained: bool) -> anyhow::Result<()> {
 pub(super) struct Limits {
     unit: TimeUnit,
     width: usize,
+    /// What they are about.
+    deadlines: String,
 }
 
 impl Limits {
     pub(super) fn of(answer: &Answer) -> Limits {
         let table = blocking::table(&answer.problem, &answer.options);
         let width = table.iter().map(|row| row.codel.path.len()).max();
-        Limits { unit: TimeUnit::of(&answer.settings()), width: width.unwrap_or_default() }
+        let settings = answer.settings();
+        Limits {
+            unit: TimeUnit::of(&settings),
+            width: width.unwrap_or_default(),
+            deadlines: summary::deadlines(&settings),
+        }
     }
 
     /// Prints a change that repairs the system.
@@ -190,14 +197,14 @@ impl Limits {
     }
 
     pub(super) fn heading(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        writeln!(out, "\n{TITLE}with every deadline met{TITLE:#}")
+        let heading = format!("with {} met", self.deadlines);
+        writeln!(out, "\n{TITLE}{}{TITLE:#}", wrapped(&heading, 0, 2))
     }
 
     pub(super) fn cores(&self, out: &mut dyn Write, minimum: &MinimumCores) -> std::io::Result<()> {
-        match minimum.cores {
-            Some(cores) => writeln!(out, "  smallest number of cores: {cores}"),
-            None => writeln!(out, "  smallest number of cores: none was found"),
-        }
+        let (cores, remark) = summary::cores(minimum);
+        let remark = if remark.is_empty() { remark } else { format!(" {FAINT}({remark}){FAINT:#}") };
+        writeln!(out, "{}", wrapped(&format!("  smallest number of cores: {cores}{remark}"), 0, 6))
     }
 
     /// Prints the limit of a value.

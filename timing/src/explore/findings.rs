@@ -5,7 +5,7 @@ use super::reductions::Activity;
 use super::run::Run;
 use super::spans::ChainSpans;
 use super::watch::Stop;
-use crate::system::{ServiceId, Ticks};
+use crate::system::{ServiceId, TaskId, Ticks};
 
 /// A supremum of a time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -51,6 +51,9 @@ pub struct Findings {
     pub restarts: Vec<ServiceId>,
     /// What delays the datum of a chain.
     pub chain: ChainSpans,
+    /// Tasks that hold all cores for ever. States after that were not followed, because no question is about
+    /// them: requests may be refused there.
+    pub hold_cores: Vec<TaskId>,
     /// Reductions used in each exploration.
     pub reductions: Vec<Vec<Activity>>,
     /// Number of states kept.
@@ -67,6 +70,7 @@ impl Findings {
     /// Adds the effort of another exploration for the same watch.
     pub(super) fn absorb(&mut self, other: &Findings) {
         self.states += other.states;
+        self.hold_cores.extend(&other.hold_cores);
         self.reductions.extend(other.reductions.iter().cloned());
         self.steps += other.steps;
         self.bytes = self.bytes.max(other.bytes);

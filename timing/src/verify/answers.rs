@@ -280,7 +280,13 @@ impl Group<'_> {
         let start_up = found.absent.job(task)?.start_up;
         let why = start_up.map(|start_up| {
             let starting = system.task_path(start_up);
-            format!(": the start-up of `{starting}` never completes")
+            let holders = found.hold_cores.iter().map(|&task| format!("`{}`", system.task_path(task)));
+            let held = match &holders.collect::<Vec<_>>()[..] {
+                [] => String::new(),
+                [holder] => format!(", because {holder} can hold a core for ever"),
+                holders => format!(", because {} can hold cores for ever", holders.join(", ")),
+            };
+            format!(": the start-up of `{starting}` never completes{held}")
         });
         let path = system.task_path(task);
         Some(format!("`{path}` is never released{}", why.unwrap_or_default()))

@@ -87,7 +87,8 @@ impl<'p> Part<'p> {
         let seen = (refused.map(|service| Sighting::NoSlot { service }))
             .chain(restarts.map(|service| Sighting::RestartsEndBoth { service }));
         seen.for_each(|no_slot| report.note(no_slot.to_string()));
-        self.examined |= found.stopped != Some(Stop::Answered) || !found.refused.is_empty();
+        let looked = found.stopped != Some(Stop::Answered) && found.hold_cores.is_empty();
+        self.examined |= looked || !found.refused.is_empty();
     }
 
     /// Adds notes about what was not found. If no exploration looked for refused requests, a short one does.

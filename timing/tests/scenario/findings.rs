@@ -239,3 +239,40 @@ fn only_cores_that_are_taken_away_can_be_tied_to() {
         ]
     );
 }
+
+/// A task that never gives its core back, after the start-up of an earlier one if there is one.
+fn polls(earlier: &str) -> String {
+    format!(
+        "component c {{ version \"1\"; lang \"c\"; {earlier}
+           task poll {{ codel <start> p() yield read wcet 3 ms; codel <read> r() yield start wcet 7 ms; }};
+         }};"
+    )
+}
+
+#[test]
+fn a_task_that_holds_the_core_for_ever_ends_the_search() {
+    let work = load(
+        "component d { version \"1\"; lang \"c\";
+           task work { period 10 ms; codel <start> s() yield pause::start wcet 1 ms; };
+           task other { period 13 ms; codel <start> o() yield pause::start wcet 1 ms; };
+         };",
+    );
+    let answer = |earlier: &str, cores: u32| {
+        let unit = load(&polls(earlier));
+        let input = SystemInput { specs: vec![&unit.spec, &work.spec] };
+        let text = format!(
+            "scenario x {{ cores {cores}; policy fifo; duration c.poll.read [1, 7] ms; check schedulable d.work; }}"
+        );
+        let parsed = parse(&text);
+        assert_eq!(parsed.errors, []);
+        verify(&input, &parsed.scenario, &Options::default(), &Cancel::default())
+    };
+    let never = answer("", 1);
+    insta::assert_snapshot!(never.checks[0].note.as_deref().unwrap(), @"`d.work` is never released: the start-up of `d.work` never completes, because `c.poll` can hold a core for ever");
+    assert_eq!(never.checks[0].verdict, Verdict::Vacuous);
+    assert!(never.states < 200, "{} states", never.states);
+    // With another core, and if jobs came before, there are answers.
+    assert_eq!(answer("", 2).checks[0].verdict, Verdict::Proved);
+    let late = "task first { period 20 ms; codel <start> f() yield pause::start wcet 1 ms; };";
+    assert_eq!(answer(late, 1).checks[0].verdict, Verdict::Refuted);
+}

@@ -1,9 +1,9 @@
 //! Results as text: times with units, deadlines, slack.
 
 pub use dotgen_analysis::quantity::percent;
-use dotgen_timing::derive::{Extreme, NextToBreak, Quantity};
-use dotgen_timing::report::{TimeUnit, Value};
-use dotgen_timing::scn::ast::Durations;
+use dotgen_timing::derive::{Extreme, MinimumCores, NextToBreak, Quantity};
+use dotgen_timing::report::{TimeUnit, Value, Verdict};
+use dotgen_timing::scn::ast::{CheckKind, Durations, Path};
 use dotgen_timing::system::settings::Settings;
 
 /// `4 cores, edf, durations interval`
@@ -52,6 +52,36 @@ pub fn extreme(limit: &Extreme, unit: TimeUnit) -> (String, String) {
     (extreme, remark)
 }
 
+/// The smallest number of cores as text, and its restriction if it is not certain.
+pub fn cores(minimum: &MinimumCores) -> (String, String) {
+    let given_up = minimum.tried.iter().filter(|(_, verdict)| *verdict == Verdict::Unknown);
+    let given_up: Vec<String> = given_up.map(|(cores, _)| cores.to_string()).collect();
+    let remark = match &given_up[..] {
+        [] => String::new(),
+        [one] if one == "1" => "given up with 1 core".to_owned(),
+        some => format!("given up with {} cores", some.join(", ")),
+    };
+    let cores = match (minimum.cores, minimum.tried.last()) {
+        (Some(cores), _) => cores.to_string(),
+        (None, Some(_)) if given_up.is_empty() => "no number is enough".to_owned(),
+        (None, _) => "not known".to_owned(),
+    };
+    (cores, remark)
+}
+
+/// The deadlines that limits are about: `every deadline`, or those that the checks name.
+pub fn deadlines(settings: &Settings) -> String {
+    let asked = settings.checks.iter().filter_map(|check| match &check.kind {
+        CheckKind::Schedulable(task) => Some(task.as_ref().map(Path::text)),
+        _ => None,
+    });
+    match asked.collect::<Option<Vec<String>>>().as_deref() {
+        None | Some([]) => "every deadline".to_owned(),
+        Some([one]) => format!("the deadline of {one}"),
+        Some(some) => format!("the deadlines of {}", some.join(", ")),
+    }
+}
+
 /// `the WCET of lift.report.start, above 5 ms (now 4 ms)`
 pub fn next_to_break(stop: &NextToBreak, unit: TimeUnit) -> String {
     let (what, side) = match stop.quantity {
@@ -60,4 +90,25 @@ pub fn next_to_break(stop: &NextToBreak, unit: TimeUnit) -> String {
     };
     let (now, extreme) = (unit.show_value(stop.now), unit.show_value(stop.extreme));
     format!("the {what} of {}, {side} {extreme} (now {now})", stop.of)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_given_up_qualifies_the_number_of_cores() {
+        use Verdict::{Proved, Refuted, Unknown};
+        let text = |cores, tried: &[(u32, Verdict)]| {
+            let (cores, remark) = super::cores(&MinimumCores { cores, tried: tried.to_vec() });
+            format!("{cores}; {remark}")
+        };
+        assert_eq!(text(Some(2), &[(1, Refuted), (2, Proved)]), "2; ");
+        assert_eq!(text(Some(2), &[(1, Unknown), (2, Proved)]), "2; given up with 1 core");
+        let some = [(1, Unknown), (2, Unknown), (3, Proved)];
+        assert_eq!(text(Some(3), &some), "3; given up with 1, 2 cores");
+        assert_eq!(text(None, &[(1, Refuted), (2, Refuted)]), "no number is enough; ");
+        assert_eq!(text(None, &[(1, Refuted), (2, Unknown)]), "not known; given up with 2 cores");
+        assert_eq!(text(None, &[]), "not known; ");
+    }
 }

@@ -242,11 +242,12 @@ function showLimits(limits: Limits): void {
     return;
   }
   const { answer: found } = limits;
-  element('limitsText').textContent = found.errors.join(' ');
+  element('limitsText').textContent = found.errors.length > 0 ? found.errors.join(' ') : `with ${found.deadlines} met`;
   if (found.errors.length > 0) return table.replaceChildren();
-  const rows = [row(['smallest number of cores', '', '', found.cores === null ? 'no number is enough' : String(found.cores)], [2, 3])];
+  const faint = (remark: string) => (remark === '' ? '' : node('span', remark, 'faint'));
+  const rows = [row(['smallest number of cores', '', '', found.cores, faint(found.coresRemark)], [2, 3])];
   for (const [what, all] of [['largest WCET', found.wcet], ['smallest period', found.period]] as const) {
-    rows.push(...all.map((it) => row([what, link(it.of, it.location), it.now, it.extreme, it.remark === '' ? '' : node('span', it.remark, 'faint')], [2, 3], ['', '', 'now', 'limit'])));
+    rows.push(...all.map((it) => row([what, link(it.of, it.location), it.now, it.extreme, faint(it.remark)], [2, 3], ['', '', 'now', 'limit'])));
   }
   table.replaceChildren(heads(['', 'of', 'now', 'limit', '']), ...rows);
 }

@@ -54,8 +54,12 @@ pub(crate) struct SensitivityResult {
     version: Option<i32>,
     /// The errors that prevent an answer.
     errors: Vec<String>,
-    /// The smallest number of cores; none if no number is sufficient.
-    cores: Option<u32>,
+    /// What the limits are about: `every deadline`.
+    deadlines: String,
+    /// The smallest number of cores, as text.
+    cores: String,
+    /// Its restriction, if it is not certain.
+    cores_remark: String,
     /// The largest WCET of each codel.
     wcet: Vec<Value>,
     /// The smallest period of each task.
@@ -164,7 +168,8 @@ pub(crate) fn shown(
             "location": locate(snapshot, &asked.problem, place.and_then(|place| place.1))?,
         }))
     };
-    out.cores = found.minimum_cores.cores;
+    out.deadlines = summary::deadlines(&settings);
+    (out.cores, out.cores_remark) = summary::cores(&found.minimum_cores);
     let next = found.next_to_break.as_ref();
     out.next_to_break = next.map(|stop| summary::next_to_break(stop, unit));
     out.wcet = found.wcet.iter().map(show).collect::<Cancellable<_>>()?;

@@ -61,6 +61,11 @@ impl Rules<'_> {
         queue.any(|&task| of(self.system.tasks[TaskId::from(task as usize)].component))
     }
 
+    /// Returns true if a task has a core.
+    pub(crate) fn has_core(&self, s: &State, task: TaskId) -> bool {
+        self.layout.has(s, task.into(), flag::CORE)
+    }
+
     /// Returns true if an action frees a core, or lets a task ask for one.
     pub(crate) fn is_about_cores(&self, s: &State, action: Action) -> bool {
         if self.system.platform.cores.is_none() {

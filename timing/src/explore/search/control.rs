@@ -208,6 +208,7 @@ impl<'a> SearchControl<'a> {
             deadlock: deadlock.map(|at| layers.trace(at, &Target::Deadlock)),
             refused: self.refused(layers),
             restarts: restarts.collect(),
+            hold_cores: layers.observations.seen.hold_cores.clone(),
             reductions: vec![self.activities(layers)],
             states: self.states(layers),
             steps: self.effort(layers),

@@ -233,6 +233,10 @@ impl<'a> Layers<'a> {
             }
             let at = Sight { parent, time };
             self.observations.settle(&mut s, &mut held, &mut enabled, |_| at);
+            if self.observations.is_past_all(&s) {
+                self.spare.push(s);
+                continue;
+            }
             encode(self.observations.rules.frame(), &s, &mut encoding);
             // States with different sleep sets have different actions to follow, and are different.
             if held != 0 {

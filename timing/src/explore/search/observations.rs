@@ -1,6 +1,7 @@
 //! Observation along runs, whatever the order of exploration: single steps, and what each step shows.
 
 use super::goals::{Goals, PerGoal};
+use crate::explore::held_cores::HeldCores;
 use crate::explore::measure::{Gauge, MeasurementMode, Timing};
 use crate::explore::never_observed::NeverObserved;
 use crate::explore::observe::{self, Observers};
@@ -37,6 +38,8 @@ pub(super) struct Seen<P> {
     pub(super) absent: NeverObserved,
     /// No further observations are needed.
     pub(super) enough: bool,
+    /// Tasks that hold all cores for ever in states that were not followed.
+    pub(super) hold_cores: Vec<TaskId>,
 }
 
 /// The rules of a system, with its watch and the observations so far.
@@ -49,6 +52,7 @@ pub(super) struct Observations<'a, P> {
     pub(super) gauges: &'a [Gauge],
     /// Tasks whose clock is only for the overdue check.
     pub(super) waiting_only: Vec<bool>,
+    held_cores: Option<HeldCores>,
     pub(super) seen: Seen<P>,
 }
 
@@ -90,7 +94,6 @@ impl<'a, P: Copy> Observations<'a, P> {
         let goals = Goals::of(watch);
         let reductions = Reductions::new(&own, &asked, without);
         Observations {
-            rules: own,
             watch,
             observers: Observers::of(watch.predicates_within(), &watch.monitors),
             gauges,
@@ -101,9 +104,12 @@ impl<'a, P: Copy> Observations<'a, P> {
                 excess: vec![None; gauges.len()],
                 absent: NeverObserved::of(watch),
                 enough: false,
+                hold_cores: Vec::new(),
             },
+            held_cores: HeldCores::of(&own, watch),
             goals,
             reductions,
+            rules: own,
         }
     }
 
@@ -119,6 +125,18 @@ impl<'a, P: Copy> Observations<'a, P> {
         self.seen.goals.values_mut().for_each(|goal| *goal = None);
         self.seen.longest.fill(None);
         self.seen.enough = false;
+    }
+
+    /// Returns true if no state that follows answers a question.
+    pub(super) fn is_past_all(&mut self, s: &State) -> bool {
+        let Some(held) = &self.held_cores else { return false };
+        let holders = held.holders(&self.rules, s);
+        for task in &holders {
+            if !self.seen.hold_cores.contains(task) {
+                self.seen.hold_cores.push(*task);
+            }
+        }
+        !holders.is_empty()
     }
 
     // ---- Steps -----------------------------------------------------------------------------
