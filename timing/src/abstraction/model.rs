@@ -66,8 +66,10 @@ pub(super) fn models<'s>(
     if (asked && !servers) || system.has_builtin(|_| true) {
         return Err(Refusal::Requests);
     }
-    let needing = system.tasks.keys().filter(|&task| system.needs_core(task));
-    let needing = needing.count();
+    let activities = activities(system, left);
+    let codels: TiVec<TaskId, CodelSet> =
+        activities.iter().map(|activity| codels(system, activity)).collect();
+    let needing = system.tasks.keys().filter(|&task| system.needs_core(task)).count();
     let enough = platform.cores.is_none_or(|core| core as usize >= needing);
     let tied = system.tasks.iter().any(|task| task.affinity.is_some());
     // Under preemption, control tasks take cores as well.
@@ -77,9 +79,6 @@ pub(super) fn models<'s>(
     if system.preempts() && (!alone || tied) {
         return Err(Refusal::Preemption);
     }
-    let activities = activities(system, left);
-    let codels: TiVec<TaskId, CodelSet> =
-        activities.iter().map(|activity| codels(system, activity)).collect();
     let mut threads: Vec<Thread> = Vec::new();
     for (task, entry) in system.tasks.iter_enumerated() {
         if servers && system.runs_apart(task) {
@@ -119,7 +118,10 @@ pub(super) fn models<'s>(
             let of_group: Vec<OtherThread> = of_group.cloned().collect();
             interference.push(self::interference(system, &of_group));
         }
-        let lends = |index: &TaskId| !followed(*index) && system.needs_core(*index);
+        // A task without work asks for a core once, and holds it for no time.
+        let lends = |&task: &TaskId| {
+            !followed(task) && system.needs_core(task) && !codels[task].is_empty()
+        };
         let lent = system.tasks.keys().filter(lends).count();
         if cores.is_some_and(|cores| cores <= lent) {
             // The reason that counts is that of a task with a period, if there is one.
