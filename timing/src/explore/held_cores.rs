@@ -60,8 +60,10 @@ impl HeldCores {
     /// Returns the tasks that hold all cores for ever, if no job of a task with a question can follow.
     pub(super) fn holders(&self, rules: &Rules, s: &State) -> Vec<TaskId> {
         let held = self.endless.iter().copied().filter(|&task| rules.has_core(s, task));
+        // A holder may still complete its own first pass, and start the next task.
         let waits = |&task: &TaskId| {
-            !rules.has_core(s, task) && rules.awaits_start_up(s, task).is_some()
+            let awaited = rules.awaits_start_up(s, task);
+            awaited.is_some_and(|awaited| !rules.has_core(s, awaited) && !rules.has_core(s, task))
         };
         if held.clone().count() >= self.cores && self.asked.iter().all(waits) {
             held.collect()

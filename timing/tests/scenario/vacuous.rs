@@ -32,13 +32,13 @@ fn what_holds_of_tasks_that_are_never_released_is_vacuous() {
         "check schedulable c.t; check no-overdue c.t; check response c.t; check schedulable c.u;
         check always not (c.t.b.exec and c.u.start.exec); check within c.t.b.exec => c.u.running;
         check leadsto c.t.b.exec => c.u.running;";
-    let of_t = "`c.t` is never released: the start-up of `c.t` never completes";
+    let of_t = "`c.t` is never released: the start-up of `c.t` never completes, because `c.poll` can hold a core for ever";
     let first = "the first predicate never becomes true";
     let reasons = [
         of_t,
         of_t,
         of_t,
-        "`c.u` is never released: the start-up of `c.t` never completes",
+        "`c.u` is never released: the start-up of `c.t` never completes, because `c.poll` can hold a core for ever",
         "`c.t.b.exec` never becomes true",
         first,
         first,

@@ -199,7 +199,9 @@ impl<'a> Layers<'a> {
         self.layer.states.clear();
         self.layer.calm.clear();
         let mut links = Links::default();
+        // States after the longest waits come first, so that runs have fewer steps.
         let mut stack = states;
+        stack.reverse();
         if initial {
             for (s, parent) in &stack {
                 let parent = *parent;
