@@ -76,7 +76,11 @@ impl Recorder {
     }
 
     fn monitor(&self, prepared: &Prepared, log: &str) -> MonitorReport {
-        self.monitor_with(prepared, response_bounds(&prepared.built.system, &Cancel::default()).raw, log)
+        self.monitor_with(
+            prepared,
+            response_bounds(&prepared.built.system, &Cancel::default()).raw,
+            log,
+        )
     }
 
     fn monitor_with(

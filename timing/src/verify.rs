@@ -6,6 +6,7 @@ mod certified;
 mod chains;
 mod checks;
 mod events;
+mod group;
 mod groups;
 mod no_jobs;
 mod part;
@@ -27,7 +28,8 @@ use dotgen_analysis::model::Spec;
 
 pub use self::certified::certificate;
 use self::checks::expand;
-use self::part::{Group, Part, Parted, parted};
+use self::group::Group;
+use self::part::{Part, Parted, parted};
 pub use self::prepared::{Prepared, PreparedCheck, Question, prepare};
 pub use self::simulate::{Choice, Simulation};
 pub use crate::cancel::{Cancel, Effort, Interrupt};

@@ -76,7 +76,9 @@ pub(super) fn at_once(
 fn analysed(source: Source, system: &TimedSystem, interrupt: &Interrupt) -> Vec<Option<Ticks>> {
     match source {
         Source::None => vec![None; system.tasks.len()],
-        Source::Proved | Source::Analysed => response_bounds(system, &Cancel::interrupted_by(interrupt)).raw,
+        Source::Proved | Source::Analysed => {
+            response_bounds(system, &Cancel::interrupted_by(interrupt)).raw
+        }
     }
 }
 

@@ -203,7 +203,8 @@ impl Limits {
 
     pub(super) fn cores(&self, out: &mut dyn Write, minimum: &MinimumCores) -> std::io::Result<()> {
         let (cores, remark) = summary::cores(minimum);
-        let remark = if remark.is_empty() { remark } else { format!(" {FAINT}({remark}){FAINT:#}") };
+        let remark =
+            if remark.is_empty() { remark } else { format!(" {FAINT}({remark}){FAINT:#}") };
         writeln!(out, "{}", wrapped(&format!("  smallest number of cores: {cores}{remark}"), 0, 6))
     }
 

@@ -119,9 +119,8 @@ pub(super) fn models<'s>(
             interference.push(self::interference(system, &of_group));
         }
         // A task without work asks for a core once, and holds it for no time.
-        let lends = |&task: &TaskId| {
-            !followed(task) && system.needs_core(task) && !codels[task].is_empty()
-        };
+        let lends =
+            |&task: &TaskId| !followed(task) && system.needs_core(task) && !codels[task].is_empty();
         let lent = system.tasks.keys().filter(lends).count();
         if cores.is_some_and(|cores| cores <= lent) {
             // The reason that counts is that of a task with a period, if there is one.

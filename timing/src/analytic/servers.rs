@@ -131,7 +131,10 @@ fn known(system: &TimedSystem, bounds: &TiVec<TaskId, Bound>) -> Knowns {
 }
 
 /// Returns a bound on the response time of every task; `None` if there is none.
-pub(super) fn response_bounds(system: &TimedSystem, cancel: &Cancel) -> TiVec<TaskId, Option<Ticks>> {
+pub(super) fn response_bounds(
+    system: &TimedSystem,
+    cancel: &Cancel,
+) -> TiVec<TaskId, Option<Ticks>> {
     let none = || ti_vec![None; system.tasks.len()];
     if !is_within_components(system) {
         return none();

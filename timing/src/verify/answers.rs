@@ -1,7 +1,7 @@
 //! Answers to single checks, from the findings of an exploration.
 
-use super::part::Group;
 use super::checks::{Single, What};
+use super::group::Group;
 use super::units::{limit_text, seconds};
 use crate::explore::{Bound, Findings, LivenessQuery, Measured, Run, Stop, liveness};
 use crate::property::{Atom, Predicate, resolve};
@@ -280,7 +280,8 @@ impl Group<'_> {
         let start_up = found.absent.job(task)?.start_up;
         let why = start_up.map(|start_up| {
             let starting = system.task_path(start_up);
-            let holders = found.hold_cores.iter().map(|&task| format!("`{}`", system.task_path(task)));
+            let holders =
+                found.hold_cores.iter().map(|&task| format!("`{}`", system.task_path(task)));
             let held = match &holders.collect::<Vec<_>>()[..] {
                 [] => String::new(),
                 [holder] => format!(", because {holder} can hold a core for ever"),

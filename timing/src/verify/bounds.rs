@@ -6,8 +6,8 @@
 use std::cell::OnceCell;
 use typed_index_collections::{TiVec, ti_vec};
 
-use super::part::Group;
 use super::checks::{Single, What};
+use super::group::Group;
 use super::tasks_with_jobs::tasks_with_jobs;
 use crate::abstraction::{Budget, Refusal, abstract_bounds};
 use crate::analytic::{meets_deadlines, response_bounds};

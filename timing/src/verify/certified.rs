@@ -1,7 +1,8 @@
 //! The certificate of a report: the claims of the checks that invariants answer.
 
 use super::checks::expand;
-use super::part::{Group, Parted, parted};
+use super::group::Group;
+use super::part::{Parted, parted};
 use super::{Options, SystemInput, settings};
 use crate::cancel::Cancel;
 use crate::invariants::certificate::{ScenarioCertificate, SystemCertificate, Uncertified};

@@ -1,8 +1,8 @@
 //! Checks of cause-effect chains: reaction time and data age (section 19).
 
-use super::part::Group;
 use super::answers::exceeded;
 use super::checks::{ChainOf, Single};
+use super::group::Group;
 use super::units::limit_text;
 use crate::analytic::reaction_bound;
 use crate::explore::{Measured, explore_chain, is_exact};

@@ -1,6 +1,6 @@
 //! Conversion of runs to the events of a report.
 
-use super::part::Group;
+use super::group::Group;
 use crate::explore::{Blocker, Executing, Moment, MomentDetails, MomentKind, Run};
 use crate::report::{Blocking, CheckReport, Event, TimeUnit, Verdict};
 use crate::scn::names::Names;

@@ -3,8 +3,8 @@
 
 use dotgen_analysis::model::{CodelKind, CodelRef, Owner};
 
-use super::part::Group;
 use super::checks::Single;
+use super::group::Group;
 use crate::report::{CheckReport, Verdict};
 use crate::scn::semantics::Cycle;
 use crate::system::{Builtin, loops};

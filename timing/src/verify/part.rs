@@ -1,14 +1,14 @@
-//! Parts of a verification: groups of components that do not influence each other, with their checks.
+//! Parts of a verification: groups of components with their checks.
 
 use super::bounds::ResponseBounds;
 use super::checks::Single;
+use super::group::Group;
 use super::groups::groups;
 use super::rounding;
 use super::seen::Seen;
-use crate::cancel::Cancel;
 use crate::diagnostic::remark::Sighting;
-use crate::explore::{Findings, Limits, Stop, Watch, explore};
-use crate::report::{Report, TimeUnit};
+use crate::explore::{Findings, Stop, Watch, explore};
+use crate::report::Report;
 use crate::scn::names::Names;
 use crate::system::ServiceId;
 use crate::system::build::build;
@@ -18,22 +18,6 @@ use crate::system::settings::Settings;
 /// The note of a report whose checks were all answered before the exploration was complete.
 const NOT_EXAMINED: &str =
     "no request was seen to be refused for want of a slot, but not everything was looked at";
-
-/// Components that are explored together.
-#[derive(Clone, Copy)]
-pub(super) struct Group<'g> {
-    pub(super) names: &'g Names<'g>,
-    pub(super) built: &'g Built,
-    /// Unit of the report.
-    pub(super) unit: TimeUnit,
-    pub(super) settings: &'g Settings,
-    pub(super) limits: Limits,
-    /// One failed check is enough, and no run that shows it is wanted.
-    pub(super) until_failure: bool,
-    pub(super) cancel: &'g Cancel,
-    /// Reports the intermediate results.
-    pub(super) tell: &'g (dyn Fn(&mut Report) + Sync),
-}
 
 /// A group with its checks: the question to each stage, and what earlier stages know of it.
 #[derive(Clone)]

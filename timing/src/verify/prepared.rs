@@ -1,7 +1,7 @@
 //! Systems prepared for a run, with the questions of their checks.
 
 use super::checks::{Single, What, expand};
-use super::part::Group;
+use super::group::Group;
 use super::{Cancel, Options, SystemInput, events, settings};
 use crate::diagnostic::Diagnostic;
 use crate::explore::{Run, Watched};

@@ -1,6 +1,6 @@
 //! The causes of a late job: the resources it waited for, since when, and their holders.
 
-use super::part::Group;
+use super::group::Group;
 use crate::explore::{Moment, MomentKind, Run};
 use crate::report::{Awaited, CheckReport, Delay, Holder, JobExecutions, LateJob};
 use crate::system::indexed::DeclaredTask;

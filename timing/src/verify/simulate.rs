@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::part::Group;
+use super::group::Group;
 use super::{SystemInput, events};
 use crate::explore::{Action, NextStep, Run, SystemRun};
 use crate::report::{Event, TimeUnit};

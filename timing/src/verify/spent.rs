@@ -1,6 +1,6 @@
 //! The intervals of measured times, as data of a report.
 
-use super::part::Group;
+use super::group::Group;
 use crate::explore::{Run, Span, Spent, Within};
 use crate::property::resolve;
 use crate::property::{Atom, Predicate, TaskState};

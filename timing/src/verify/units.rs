@@ -3,7 +3,7 @@
 use dotgen_analysis::model::Seconds;
 use num_rational::Ratio;
 
-use super::part::Group;
+use super::group::Group;
 use crate::report::Value;
 use crate::scn::ast::{Bound, Unit};
 use crate::system::Ticks;

@@ -1,8 +1,8 @@
 //! The watch list of the explorer, from the checks.
 
-use super::part::Group;
 use super::bounds::ResponseBounds;
 use super::checks::{Single, What};
+use super::group::Group;
 use crate::explore::{ResponseTime, Watch, Within};
 use crate::property::{Monitor, Predicate, resolve};
 use crate::scn::ast::{Pattern, Pred};

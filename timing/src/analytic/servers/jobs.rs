@@ -11,10 +11,10 @@ use typed_index_collections::{TiVec, ti_vec};
 use super::control::Control;
 use super::{Bound, Cycle, Facts, Known, Knowns, Turns, Window, known};
 use crate::analytic::greatest_common_divisor;
-use crate::cancel::Cancel;
 use crate::analytic::latest::{NEVER, latest};
 use crate::analytic::situations::Situations;
 use crate::analytic::windows::{ClientWindow, Requests, requests_at, timed_windows};
+use crate::cancel::Cancel;
 use crate::system::{TaskId, Ticks, TimedSystem};
 
 /// Number of jobs above which none has a bound of its own.

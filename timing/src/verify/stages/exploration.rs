@@ -4,7 +4,8 @@ use crate::explore::{Findings, Limits, explore_with_reports};
 use crate::report::Report;
 use crate::verify::bounds::ResponseBounds;
 use crate::verify::checks::{Single, What};
-use crate::verify::part::{Group, Part};
+use crate::verify::group::Group;
+use crate::verify::part::Part;
 
 /// Divisor of the limit on states, for the search of exact values after bounds have answered all checks.
 const SETTLED: usize = 100;

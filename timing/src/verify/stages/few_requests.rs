@@ -10,7 +10,8 @@ use crate::explore::{Limits, Stop, explore};
 use crate::report::{Report, Value, Verdict};
 use crate::system::indexed::Built;
 use crate::verify::bounds::ResponseBounds;
-use crate::verify::part::{Group, Part};
+use crate::verify::group::Group;
+use crate::verify::part::Part;
 
 /// How often clients that may wait for ever go on (`None`: as often as they like), and the limit on states.
 const ROUNDS: [(Option<usize>, usize); 4] =
@@ -49,13 +50,7 @@ pub(super) fn staying(built: &Built, rounds: usize) -> Option<Built> {
     Some(Built { system, shared: OnceLock::new(), ..built.clone() })
 }
 
-fn explore_some(
-    group: Group,
-    part: &mut Part,
-    some: Vec<usize>,
-    whole: bool,
-    report: &mut Report,
-) {
+fn explore_some(group: Group, part: &mut Part, some: Vec<usize>, whole: bool, report: &mut Report) {
     let checks = part.checks;
     let analysed = ResponseBounds::new(group.built, group.cancel);
     let (mut watch, places) = group.watch(checks, some.into_iter(), &analysed);

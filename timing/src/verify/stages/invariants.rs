@@ -6,7 +6,8 @@ use crate::property::{Atom, Predicate, resolve};
 use crate::report::{CheckReport, Layer, Report, Soundness, Verdict};
 use crate::scn::ast::Pred;
 use crate::verify::checks::{Single, What};
-use crate::verify::part::{Group, Part};
+use crate::verify::group::Group;
+use crate::verify::part::Part;
 
 /// Limit on the actions of the random search for the parts of predicates: a proof about parts that never
 /// become true says nothing.

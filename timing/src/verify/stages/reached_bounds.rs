@@ -4,7 +4,8 @@
 use crate::explore::{Findings, Kind, Limits, ResponseTime, Stop, Walked, Watch, explore, walk};
 use crate::report::Report;
 use crate::system::{TaskId, Ticks};
-use crate::verify::part::{Group, Part};
+use crate::verify::group::Group;
+use crate::verify::part::Part;
 
 /// Limit on the actions.
 const ACTIONS: u64 = 3_000_000;
@@ -17,8 +18,7 @@ pub(super) fn answer(part: &mut Part, report: &mut Report) {
     if group.limits.without.contains(Kind::RandomSearch) {
         return;
     }
-    let open: Vec<usize> =
-        part.of_group.iter().copied().filter(|&i| report.is_open(i)).collect();
+    let open: Vec<usize> = part.of_group.iter().copied().filter(|&i| report.is_open(i)).collect();
     let settled = open.iter().copied().filter(|&i| group.is_settled(&checks[i], analysed));
     let (mut watch, places) = group.watch(checks, settled, analysed);
     let on_condition = open.iter().filter_map(|&i| {

@@ -14,7 +14,8 @@ use crate::system::build::build;
 use crate::system::settings::Settings;
 use crate::verify::bounds::ResponseBounds;
 use crate::verify::checks::Single;
-use crate::verify::part::{Group, Part};
+use crate::verify::group::Group;
+use crate::verify::part::Part;
 use crate::verify::rounding::{self, is_proof};
 use crate::verify::seen::Seen;
 
@@ -47,8 +48,7 @@ pub(super) fn answer(part: &mut Part, report: &mut Report) {
     }
     let mut limits = group.limits;
     limits.states /= SHARE;
-    let of_coarse =
-        Group { built: &coarse, settings: &settings, limits, tell: &|_| {}, ..group };
+    let of_coarse = Group { built: &coarse, settings: &settings, limits, tell: &|_| {}, ..group };
     let mut candidates = scratch(report);
     let mut rounded = [Part::new(of_coarse, part.checks, part.of_group, part.alone)];
     by(&ROUNDED, &mut rounded, &mut candidates);

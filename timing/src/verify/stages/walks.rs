@@ -4,7 +4,8 @@ use super::few_requests::staying;
 use crate::explore::{Findings, Kind, Limits, Stop, bytes_of_walks, explore, walk};
 use crate::report::{Report, Verdict};
 use crate::verify::checks::What;
-use crate::verify::part::{Group, Part};
+use crate::verify::group::Group;
+use crate::verify::part::Part;
 
 /// Limit on the actions before schedule abstraction, which may take long to find that it cannot tell.
 const EARLY_ACTIONS: u64 = 200_000;
