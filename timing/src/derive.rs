@@ -25,7 +25,7 @@ use crate::system::settings::Settings;
 use crate::verify::{Cancel, Options, SystemInput, errors, settings, verify_until_failure};
 pub use sensitivity::{InterimResult, NextToBreak, Progress, Quantity, Sensitivity, sensitivity};
 
-/// Greatest number of verifications that run at the same time. Each has this part of the memory, so that the
+/// Greatest number of verifications that run at the same time. Each has this part of the memory, so that
 /// answers do not depend on the number of threads.
 const MAX_TOGETHER: usize = 16;
 
@@ -35,7 +35,8 @@ const SHARE_OF_STATES: usize = 20;
 /// Limit on the actions of each verification.
 const MAX_STEPS: u64 = 20_000_000;
 
-/// Part of the time limit that each verification may take, so that no value keeps all others from being tried.
+/// Part of the time limit that each verification may take, so that no value keeps all others from being
+/// tried.
 const SHARE_OF_TIME: u32 = 10;
 
 /// The fewest cores that suffice.

@@ -1,9 +1,9 @@
 //! Cores that are held for ever.
 //!
-//! A task holds its core until its cycle ends. A permanent activity that can neither pause nor end has a cycle
-//! that never ends. If such tasks hold all cores, no other task gets one any more. So a task that has not
-//! completed its start-up, and has no core, never has a job: questions about its deadlines and response times
-//! have no further answer.
+//! A task holds its core until its cycle ends. A permanent activity that can neither pause nor end has a
+//! cycle that never ends. If such tasks hold all cores, no other task gets one any more. So a task that has
+//! not completed its start-up, and has no core, never has a job: questions about its deadlines and response
+//! times have no further answer.
 
 use super::rules::Rules;
 use super::state::State;

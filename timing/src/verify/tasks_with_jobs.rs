@@ -12,8 +12,8 @@ const STEPS: usize = 10_000;
 const POLL: usize = 500;
 
 /// By task: true if a run of the system has a job of it. Three runs are tried, with choices that have no
-/// pattern: codels end as early as they may, as late, and now early, now late. If `cancel` is over, later jobs
-/// are not seen.
+/// pattern: codels end as early as they may, as late, and now early, now late. If `cancel` is over, later
+/// jobs are not seen.
 pub(super) fn tasks_with_jobs(system: &TimedSystem, cancel: &Cancel) -> TiVec<TaskId, bool> {
     let mut released = ti_vec![false; system.tasks.len()];
     let late: [fn(usize) -> bool; 3] =
