@@ -372,7 +372,7 @@ async fn limits_are_looked_for_with_progress() {
     let mut question = document(&scn);
     question["workDoneToken"] = json!("limits");
     let answer = client.ok("dotgen/sensitivity", question.clone()).await;
-    assert_eq!(answer["cores"], 1);
+    assert_eq!(answer["cores"], "1");
     let codels = answer["wcet"].as_array().expect("a list");
     let main = codels.iter().find(|codel| codel["of"] == "pump.t.main");
     let main = main.expect("it has a WCET");
