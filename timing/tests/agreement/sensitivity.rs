@@ -18,7 +18,8 @@ const PARTS: u32 = 100;
 const LONGEST: u32 = 64;
 
 fn options() -> Options {
-    let limits = Limits { states: 40_000, bytes: 1 << 28, threads: 1, ..Limits::default() };
+    // Each verification has a twentieth of the states.
+    let limits = Limits { states: 800_000, threads: 1, ..Limits::default() };
     Options { limits, ..Options::default() }
 }
 
