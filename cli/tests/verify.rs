@@ -226,11 +226,11 @@ fn reductions_are_explained_and_can_be_switched_off() {
             let line = after.lines().find_map(|line| line.trim_start().strip_prefix(name));
             line.unwrap_or_default().trim().to_owned()
         };
-        (status(&output), table, line("window-union"), line("persistent-sets"))
+        (status(&output), table, line("window-union"), line("resting-loops"))
     };
-    let (code, table, union, persistent) = run(&["--explain"]);
+    let (code, table, union, resting) = run(&["--explain"]);
     assert_eq!(union, "used");
-    assert!(persistent.starts_with("not used: it is for"), "{persistent}");
+    assert!(resting.starts_with("not used"), "{resting}");
     let (other_code, other_table, union, _) = run(&["--explain", "--without", "window-union"]);
     assert_eq!(union, "not used: switched off");
     assert_eq!((other_code, other_table), (code, table));

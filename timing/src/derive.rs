@@ -25,6 +25,19 @@ use crate::system::settings::Settings;
 use crate::verify::{Cancel, Options, SystemInput, errors, settings, verify_until_failure};
 pub use sensitivity::{InterimResult, NextToBreak, Progress, Quantity, Sensitivity, sensitivity};
 
+/// Returns the checks of the deadlines that limits concern: those of the scenario, or else those of all
+/// tasks.
+pub fn deadlines(settings: &Settings) -> Vec<Check> {
+    let checks = settings.checks.iter();
+    let mut out: Vec<Check> =
+        checks.filter(|check| matches!(check.kind, CheckKind::Schedulable(_))).cloned().collect();
+    if out.is_empty() {
+        let kind = CheckKind::Schedulable(None);
+        out.push(Check { name: None, subject: None, kind, range: 0..0 });
+    }
+    out
+}
+
 /// Greatest number of verifications that run at the same time. Each has this part of the memory, so that
 /// answers do not depend on the number of threads.
 const MAX_TOGETHER: usize = 16;
@@ -368,11 +381,7 @@ struct Variation<'v> {
 impl<'v> Variation<'v> {
     fn new(asked: &'v DerivationContext<'v>) -> Result<Self, Vec<Diagnostic>> {
         let mut settings = settings(asked.scenario, asked.options);
-        settings.checks.retain(|check| matches!(check.kind, CheckKind::Schedulable(_)));
-        if settings.checks.is_empty() {
-            let kind = CheckKind::Schedulable(None);
-            settings.checks.push(Check { name: None, subject: None, kind, range: 0..0 });
-        }
+        settings.checks = deadlines(&settings);
         let errors = errors(asked.names, &settings);
         if errors.is_empty() { Ok(Variation { asked, settings }) } else { Err(errors) }
     }

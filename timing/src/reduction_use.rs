@@ -108,22 +108,21 @@ mod tests {
     #[test]
     fn explorations_that_differ_are_counted() {
         let activity = |kind, off| Activity { kind, off };
-        let preempts = Some(Reason::Preemption);
         let mut all = ReductionUse::default();
         all.add(&[
-            activity(Kind::PersistentSets, preempts),
-            activity(Kind::WindowUnion, None),
-            activity(Kind::WindowInclusion, None),
+            activity(Kind::SleepSets, Some(Reason::Clients)),
+            activity(Kind::RestingLoops, None),
+            activity(Kind::Deferral, None),
         ]);
         all.add(&[
-            activity(Kind::PersistentSets, preempts),
-            activity(Kind::WindowUnion, None),
-            activity(Kind::WindowInclusion, Some(Reason::SwitchedOff)),
+            activity(Kind::SleepSets, Some(Reason::Clients)),
+            activity(Kind::RestingLoops, None),
+            activity(Kind::Deferral, Some(Reason::SwitchedOff)),
         ]);
         let lines = [
-            ("persistent-sets", "not used: threads of different components preempt each other"),
-            ("window-union", "used"),
-            ("window-inclusion", "used in 1 of 2 explorations; not used in 1 of 2: switched off"),
+            ("sleep-sets", "not used: there are clients"),
+            ("resting-loops", "used"),
+            ("deferral", "used in 1 of 2 explorations; not used in 1 of 2: switched off"),
         ];
         assert_eq!(all.lines(), lines.map(|(name, line)| (name, line.to_owned())));
     }

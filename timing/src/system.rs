@@ -21,7 +21,7 @@ pub(crate) mod units;
 mod waiting_clients;
 
 use dotgen_analysis::model::{CodelRef, Seconds, Src};
-use typed_index_collections::{TiVec, ti_vec};
+use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
 use crate::scn::semantics::Semantics;
 
@@ -530,6 +530,16 @@ impl TimedSystem {
     pub(crate) fn may_refuse(&self) -> bool {
         let mut services = self.services.iter().zip(self.requested());
         services.any(|(service, requested)| requested && service.activity)
+    }
+
+    /// Returns true if some activity of a task can run, given the [`requested`](Self::requested) services.
+    pub(crate) fn has_activities(
+        &self,
+        task: TaskId,
+        requested: &TiSlice<ServiceId, bool>,
+    ) -> bool {
+        let mut slots = self.tasks[task].slots.iter();
+        slots.any(|&a| self.automata[a].service.is_some_and(|service| requested[service]))
     }
 
     /// Makes two codels exclude each other.

@@ -153,7 +153,7 @@ fn verify_settings(
     if report.has_errors() {
         return report;
     }
-    // The first report is told in any case, and later ones if they have more answers.
+    // The first report is always sent. A later report is sent only if it has more answers.
     let told = AtomicUsize::new(usize::MAX);
     let tell = |report: &mut Report| {
         if told.swap(report.answered(), Ordering::Relaxed) == report.answered() {

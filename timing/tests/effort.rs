@@ -351,3 +351,25 @@ fn the_number_of_threads_changes_no_derived_answer() {
         assert_eq!(ask(1, bytes), ask(4, bytes));
     }
 }
+
+/// Each value has a share of the states: one that is given up does not keep later ones from an answer.
+#[test]
+fn a_number_of_cores_that_is_given_up_is_followed_by_the_next() {
+    let tasks = (0..6).map(|number| {
+        let period = [20, 21, 22, 23, 25, 26][number];
+        format!(
+            "task t{number} {{ period {period} ms;
+               codel <start> c{number}() yield pause::start wcet 3300 us; }};"
+        )
+    });
+    let tasks: String = tasks.collect();
+    let unit = load(&format!("component six {{ version \"1\"; lang \"c\"; {tasks} }};"));
+    let input = SystemInput { specs: vec![&unit.spec] };
+    let scenario = parse("scenario six { policy any; check schedulable *; }");
+    let mut options = Options::default();
+    options.limits.states = 20_000;
+    let cancel = Cancel::default();
+    let found = minimum_cores(&input, &scenario.scenario, &options, &cancel).unwrap();
+    assert_eq!(found.tried.first(), Some(&(1, Verdict::Unknown)), "{found:?}");
+    assert!(found.cores.is_some_and(|cores| cores > 1), "{found:?}");
+}

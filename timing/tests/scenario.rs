@@ -397,7 +397,7 @@ fn what_fails_after_one_request_is_found_whatever_clients_may_do() {
         choice.join(" or ")
     );
     let mut options = published();
-    options.limits.states = 50_000;
+    options.limits.states = 5_000;
     let report = verify(&input, &parse(&text).scenario, &options, &Cancel::default());
     let [schedulable, response] = &report.checks[..] else {
         panic!("{}", checks_in_words(&report));

@@ -260,7 +260,7 @@ export interface Limit {
 export interface LimitsAnswer {
   version: number | null;
   errors: string[];
-  /** What the limits are about: `every deadline`. */
+  /** The deadlines that the limits concern: `every deadline`. */
   deadlines: string;
   cores: string;
   coresRemark: string;

@@ -161,7 +161,7 @@ pub(super) fn tail(answer: &Answer, explained: bool) -> anyhow::Result<()> {
 pub(super) struct Limits {
     unit: TimeUnit,
     width: usize,
-    /// What they are about.
+    /// The deadlines that the limits concern.
     deadlines: String,
 }
 

@@ -210,10 +210,9 @@ fn thread(
         [] => None,
         _ => Some(cycle_automaton(system, activities)?),
     };
-    let first = if servers && definition.delay > 0 {
-        i64::from(definition.delay)
-    } else {
-        period + i64::from(definition.delay)
+    let first = match system.first_tick(task).filter(|_| servers) {
+        Some(first) => i64::try_from(first).unwrap_or(i64::MAX),
+        None => period + i64::from(definition.delay),
     };
     let paused = match (servers, activities, &cycle_automaton) {
         (true, ..) => Vec::new(),

@@ -220,7 +220,8 @@ impl Demand {
     }
 }
 
-/// Returns the greatest *x* with cores · *x* ≤ Σ min(work, *x*), rounded up; `None` if there is no core.
+/// Returns the longest wait for a core: the greatest *x* for which cores · *x* ≤ Σ min(work, *x*), rounded
+/// up. Returns `None` if there is no core.
 pub(super) fn longest_wait(cores: u64, mut works: Vec<u64>) -> Option<u64> {
     works.sort_unstable_by_key(|&work| Reverse(work));
     let mut rest = works.iter().try_fold(0u64, |sum, &work| sum.checked_add(work))?;

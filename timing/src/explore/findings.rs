@@ -70,7 +70,9 @@ impl Findings {
     /// Adds the effort of another exploration for the same watch.
     pub(super) fn absorb(&mut self, other: &Findings) {
         self.states += other.states;
-        self.hold_cores.extend(&other.hold_cores);
+        let new = other.hold_cores.iter().filter(|task| !self.hold_cores.contains(task));
+        let new: Vec<TaskId> = new.copied().collect();
+        self.hold_cores.extend(new);
         self.reductions.extend(other.reductions.iter().cloned());
         self.steps += other.steps;
         self.bytes = self.bytes.max(other.bytes);

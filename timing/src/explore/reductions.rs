@@ -1,60 +1,100 @@
-//! Reductions: actions that need not be followed.
+//! Reductions: actions that need not be followed, and states that need not be kept.
 //!
-//! A reduction applies to a system, the points of its semantics and its watched properties, or has a
-//! [`Reason`] for not applying. Its module describes it and proves its soundness; `docs/explorer.md` gives an
-//! overview.
+//! Strategies use reductions to select the enabled actions to follow ([`Reductions::persistent`],
+//! [`Reductions::follow`]), and to find the ends that can be postponed
+//! ([`Reductions::waiters`], [`Reductions::closure`]).
+//!
+//! Each reduction is one type with the trait [`Reduction`]. It applies to a system, the points of its
+//! semantics and its watched properties, or gives a [`Reason`] for not applying. The module of each reduction
+//! describes it and proves its soundness; `docs/explorer.md` gives an overview.
 
+mod all;
+mod ample;
 mod components;
+mod deferral;
+mod facts;
 mod kind;
+mod sleep_sets;
 
-use self::components::Components;
+use smallvec::SmallVec;
+
+pub(crate) use self::all::Reductions;
+use self::facts::Facts;
 pub use self::kind::{Activity, Kind, Kinds, Reason};
-use super::rules::{Action, Enabled, Rules};
-use super::state::State;
+use super::rules::Rules;
 use crate::property::Predicate;
+use crate::system::{AutomatonId, TimedSystem};
 
-/// The reductions that are sound for a system and some predicates on single states.
-#[derive(Debug)]
-pub(crate) struct Reductions {
-    persistent: Option<Components>,
-    activities: Vec<Activity>,
+/// A sleep set: the actions held back for now. Executors from bit 0 on, ticks from bit 64 on.
+pub(crate) type SleepSet = u128;
+
+/// The watched properties of a system, as far as reductions must respect them.
+pub(crate) struct Watched<'a> {
+    /// Predicates on single states.
+    pub(crate) predicates: Vec<&'a Predicate>,
+    /// Tasks with a clock for their response time.
+    pub(crate) measured: Vec<bool>,
 }
 
-impl Reductions {
-    /// Examines a system. The reductions in `without` are switched off. A search that follows data has none:
-    /// every order of actions may matter to it.
-    pub(crate) fn new(rules: &Rules, predicates: &[&Predicate], without: Kinds) -> Self {
-        let persistent = if without.contains(Kind::PersistentSets) {
+/// The input of a reduction's examination.
+pub(crate) struct Setting<'a> {
+    pub(crate) rules: &'a Rules<'a>,
+    pub(super) asked: &'a Watched<'a>,
+    /// Known facts about the system.
+    pub(super) facts: &'a Facts,
+    /// Reductions that are switched off.
+    pub(crate) without: Kinds,
+}
+
+impl Setting<'_> {
+    pub(crate) fn system(&self) -> &TimedSystem {
+        self.rules.system
+    }
+}
+
+pub(crate) trait Reduction: Sized {
+    /// Kind of the reduction.
+    const KIND: Kind;
+
+    /// Returns the reduction for a system and its watched properties.
+    ///
+    /// # Errors
+    ///
+    /// Returns the reason why the reduction is not sound, or of no use, for the system.
+    fn applies(setting: &Setting) -> Result<Self, Reason>;
+
+    /// Applies the reduction unless it is switched off, and records the outcome in `notes`.
+    fn examine(setting: &Setting, notes: &mut Vec<Activity>) -> Option<Self> {
+        let result = if setting.without.contains(Self::KIND) {
             Err(Reason::SwitchedOff)
-        } else if rules.token.is_some() {
+        } else if setting.rules.token.is_some() {
             Err(Reason::Chain)
         } else {
-            Components::of(rules, predicates)
+            Self::applies(setting)
         };
-        let off = persistent.as_ref().err().copied();
-        Reductions {
-            persistent: persistent.ok(),
-            activities: vec![Activity { kind: Kind::PersistentSets, off }],
-        }
+        notes.push(Activity { kind: Self::KIND, off: result.as_ref().err().copied() });
+        result.ok()
     }
+}
 
-    /// Returns the reductions used, and the reasons against the others.
-    pub(crate) fn activities(&self) -> &[Activity] {
-        &self.activities
-    }
+/// Tasks, control tasks and clients whose ends can be postponed in one state: numbered as *members*, in this
+/// order.
+#[derive(Debug, Clone)]
+pub(crate) struct Deferrable {
+    pub(super) members: SmallVec<[bool; 24]>,
+    /// Automata are executors, instead of tasks.
+    pub(super) automata: bool,
+}
 
-    /// Writes the actions to follow in a state: a persistent set, with which all calm states of this moment
-    /// are still reached, or all enabled actions.
-    pub(crate) fn persistent(
-        &self,
-        rules: &Rules,
-        s: &State,
-        enabled: &Enabled,
-        out: &mut Vec<Action>,
-    ) {
-        match &self.persistent {
-            Some(components) => components.select(rules, s, enabled, out),
-            None => out.clone_from(&enabled.actions),
-        }
+impl Deferrable {
+    /// Returns true if the end of an executor's work can be postponed.
+    pub(crate) fn can_be_deferred(&self, system: &TimedSystem, executor: usize) -> bool {
+        let automata = &system.automata;
+        let member = match automata.get(AutomatonId::from(executor)) {
+            _ if !self.automata => executor,
+            Some(automaton) => usize::from(automaton.task),
+            None => executor - automata.len() + system.tasks.len(),
+        };
+        self.members[member]
     }
 }

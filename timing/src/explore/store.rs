@@ -305,6 +305,16 @@ impl Store {
         Some(k)
     }
 
+    /// Returns the covers of the key with these bytes.
+    pub(crate) fn find(&self, key: &[u8]) -> impl Iterator<Item = (&[Ticks], u32)> {
+        let hash = hash(key);
+        let found = self.table.find(hash, |k| {
+            let entry = &self.keys[k as usize];
+            entry.hash == hash && self.bytes_of(entry) == key
+        });
+        found.into_iter().flat_map(|k| self.covers(k))
+    }
+
     /// Returns the bytes of a key.
     pub(crate) fn key(&self, key: u32) -> &[u8] {
         self.bytes_of(&self.keys[key as usize])
@@ -317,6 +327,11 @@ impl Store {
     /// Returns the number of keys.
     pub(crate) fn len(&self) -> usize {
         self.keys.len()
+    }
+
+    /// Returns the number of covers of all keys, including covers that have been joined.
+    pub(crate) fn count(&self) -> usize {
+        self.covers.len()
     }
 
     /// Returns the covers of a key with their tags.

@@ -1,5 +1,5 @@
-//! What explorations of a part of the system have seen. If the whole exploration has to be given up, failures
-//! with a longest time not known and longest times seen are still worth telling.
+//! The worst results of short explorations: failures, and the longest times. If the whole exploration is given
+//! up, the report contains these results.
 
 use crate::report::{CheckReport, Value, Verdict};
 

@@ -69,14 +69,15 @@ pub fn cores(minimum: &MinimumCores) -> (String, String) {
     (cores, remark)
 }
 
-/// The deadlines that limits are about: `every deadline`, or those that the checks name.
+/// The deadlines that limits concern: `every deadline`, or those that the checks name.
 pub fn deadlines(settings: &Settings) -> String {
-    let asked = settings.checks.iter().filter_map(|check| match &check.kind {
-        CheckKind::Schedulable(task) => Some(task.as_ref().map(Path::text)),
+    let checks = dotgen_timing::derive::deadlines(settings);
+    let tasks = checks.iter().map(|check| match &check.kind {
+        CheckKind::Schedulable(task) => task.as_ref().map(Path::text),
         _ => None,
     });
-    match asked.collect::<Option<Vec<String>>>().as_deref() {
-        None | Some([]) => "every deadline".to_owned(),
+    match tasks.collect::<Option<Vec<String>>>().as_deref() {
+        None => "every deadline".to_owned(),
         Some([one]) => format!("the deadline of {one}"),
         Some(some) => format!("the deadlines of {}", some.join(", ")),
     }
@@ -110,5 +111,18 @@ mod tests {
         assert_eq!(text(None, &[(1, Refuted), (2, Refuted)]), "no number is enough; ");
         assert_eq!(text(None, &[(1, Refuted), (2, Unknown)]), "not known; given up with 2 cores");
         assert_eq!(text(None, &[]), "not known; ");
+    }
+
+    #[test]
+    fn limits_name_the_deadlines_that_they_concern() {
+        let text = |checks: &str| {
+            let parsed = dotgen_timing::scn::parse(&format!("scenario s {{ {checks} }}"));
+            deadlines(&Settings::new(&parsed.scenario))
+        };
+        assert_eq!(text("check deadlock;"), "every deadline");
+        assert_eq!(text("check schedulable *; check schedulable a.t;"), "every deadline");
+        assert_eq!(text("check schedulable a.t; check deadlock;"), "the deadline of a.t");
+        let two = "check schedulable a.t; check schedulable b.t;";
+        assert_eq!(text(two), "the deadlines of a.t, b.t");
     }
 }

@@ -54,7 +54,7 @@ pub(crate) struct SensitivityResult {
     version: Option<i32>,
     /// The errors that prevent an answer.
     errors: Vec<String>,
-    /// What the limits are about: `every deadline`.
+    /// The deadlines that the limits concern: `every deadline`.
     deadlines: String,
     /// The smallest number of cores, as text.
     cores: String,

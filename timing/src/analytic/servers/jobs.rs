@@ -228,8 +228,8 @@ impl SingleJobs<'_, '_, '_> {
         None
     }
 
-    /// Returns true if there have been too many evaluations, or no bound is wanted any more. What has been
-    /// found so far is no bound then.
+    /// Returns true if the limit on evaluations is exceeded, or the verification is cancelled. The values
+    /// found until then are not bounds.
     fn is_over(&self) -> bool {
         *self.evaluations > MAX_EVALUATIONS || self.cancel.is_over()
     }

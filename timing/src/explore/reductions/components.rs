@@ -17,8 +17,7 @@
 use smallvec::SmallVec;
 use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
-use super::Reason;
-use crate::explore::rules::points::Cycle;
+use super::{Kind, Reason, Reduction, Setting, Watched};
 use crate::explore::rules::{Action, Enabled, Rules};
 use crate::explore::state::State;
 use crate::property::{Atom, Predicate};
@@ -35,21 +34,21 @@ pub(crate) struct Components {
 }
 
 /// Groups of components: one number for each component.
-struct Groups(SmallVec<[usize; 16]>);
+pub(super) struct Groups(SmallVec<[usize; 16]>);
 
 impl Groups {
     /// Returns as many groups as components.
-    fn new(components: usize) -> Self {
+    pub(super) fn new(components: usize) -> Self {
         Groups((0..components).collect())
     }
 
     /// Returns the group of a component.
-    fn of(&self, component: ComponentId) -> usize {
+    pub(super) fn of(&self, component: ComponentId) -> usize {
         self.0[usize::from(component)]
     }
 
     /// Puts components into one group.
-    fn join(&mut self, mut members: impl Iterator<Item = ComponentId>) {
+    pub(super) fn join(&mut self, mut members: impl Iterator<Item = ComponentId>) {
         let Some(first) = members.next() else { return };
         for member in members {
             let (from, to) = (self.of(member), self.of(first));
@@ -59,27 +58,17 @@ impl Groups {
     }
 }
 
-impl Components {
-    /// Examines a system, and predicates on single states.
-    ///
-    /// # Errors
-    ///
-    /// Returns the reason why the components are not independent of each other.
-    pub(super) fn of(rules: &Rules, predicates: &[&Predicate]) -> Result<Components, Reason> {
-        let system = rules.system();
-        if rules.points.cycle != Cycle::Passes {
-            Err(Reason::Jobs)
-        } else if system.has_builtin(|_| true) {
-            Err(Reason::Builtins)
-        } else if rules.preempts() {
-            Err(Reason::Preemption)
-        } else if system.platform.semantics.ports != PortRule::Copy {
-            Err(Reason::LockedPorts)
-        } else {
-            Ok(Components { asked: asked(system, predicates), addressed: addressed(system) })
-        }
-    }
+impl Reduction for Components {
+    const KIND: Kind = Kind::PersistentSets;
 
+    fn applies(setting: &Setting) -> Result<Self, Reason> {
+        independent(setting)?;
+        let system = setting.system();
+        Ok(Components { asked: asked(system, setting.asked), addressed: addressed(system) })
+    }
+}
+
+impl Components {
     /// Writes the actions of a group that can be followed alone, or all enabled actions.
     pub(super) fn select(
         &self,
@@ -144,8 +133,22 @@ impl Components {
     }
 }
 
+/// Returns the reason why components are not independent of each other.
+pub(super) fn independent(setting: &Setting) -> Result<(), Reason> {
+    let system = setting.system();
+    if system.has_builtin(|_| true) {
+        Err(Reason::Builtins)
+    } else if setting.rules.preempts() {
+        Err(Reason::Preemption)
+    } else if system.platform.semantics.ports != PortRule::Copy {
+        Err(Reason::LockedPorts)
+    } else {
+        Ok(())
+    }
+}
+
 /// Returns the components that each client addresses.
-fn addressed(system: &TimedSystem) -> TiVec<ClientId, Vec<ComponentId>> {
+pub(super) fn addressed(system: &TimedSystem) -> TiVec<ClientId, Vec<ComponentId>> {
     let component = |action: &ClientAction| match *action {
         ClientAction::Send { service, .. } => Some(system.services[service].component),
         _ => None,
@@ -156,9 +159,9 @@ fn addressed(system: &TimedSystem) -> TiVec<ClientId, Vec<ComponentId>> {
 }
 
 /// Returns, by component, whether a predicate is about it.
-fn asked(system: &TimedSystem, predicates: &[&Predicate]) -> TiVec<ComponentId, bool> {
+pub(super) fn asked(system: &TimedSystem, asked: &Watched) -> TiVec<ComponentId, bool> {
     let mut about = ti_vec![false; system.components.len()];
-    for predicate in predicates {
+    for predicate in &asked.predicates {
         mark(system, predicate, &mut about);
     }
     about

@@ -1,8 +1,8 @@
 //! The range of actions, for reductions.
 
-use super::status::flag;
+use super::status::{control, flag, slot, thread};
 use super::{Action, Rules};
-use crate::explore::state::State;
+use crate::explore::state::{State, phase};
 use crate::system::{ClientAction, ClientId, ComponentId, TaskId};
 
 impl Rules<'_> {
@@ -87,5 +87,29 @@ impl Rules<'_> {
         let mut next = s.clone();
         self.perform(&mut next, action);
         at_cores(&next) != before
+    }
+
+    /// Returns true if one of these tasks has a tick that is kept from its first cycle.
+    pub(crate) fn keeps_first_tick(&self, s: &State, of: impl Fn(usize) -> bool) -> bool {
+        let both = |task: usize| {
+            let flags = self.layout.flags(s, task);
+            flags & flag::FIRST != 0 && flags & flag::TICK != 0 && self.in_cycle(s, task)
+        };
+        (0..self.layout.tasks).any(|task| of(task) && both(task))
+    }
+
+    /// Returns true if the permanent activity of a task executes the codel of a state, or has ended (by an
+    /// exception), and its component is up.
+    pub(crate) fn rests(&self, s: &State, task: usize, state: usize) -> bool {
+        let l = &self.layout;
+        let first = l.slots(task)[0];
+        let executes = l.thread_of(s, task) == thread::EXECUTING
+            && l.phase(s, task) == phase::EXECUTING
+            && l.turn(s, task) == Some(first)
+            && l.mode(s, first) & slot::STATUS == slot::RUN
+            && l.at(s, first) as usize == state;
+        let has_ended = l.thread_of(s, task) == thread::IDLE && l.activity(s, first) == slot::VOID;
+        (executes || has_ended)
+            && l.control(s, self.system.tasks[TaskId::from(task)].component) != control::OFF
     }
 }

@@ -12,6 +12,7 @@ use super::layers::covering;
 use super::observations::{Longest, Observations, Sight};
 use crate::cancel::Cancel;
 use crate::explore::findings::Findings;
+use crate::explore::reductions::SleepSet;
 use crate::explore::rules::{Action, Enabled, Rules};
 use crate::explore::run::Run;
 use crate::explore::state::State;
@@ -60,10 +61,10 @@ impl Order {
 
     /// Sorts actions: the one to follow first comes last. Actions of a task that is `kept` from ending come
     /// first in the list.
-    fn sort_actions(&mut self, list: &mut [Action], kept: impl Fn(Action) -> bool) {
+    fn sort_actions(&mut self, list: &mut [(Action, SleepSet)], kept: impl Fn(Action) -> bool) {
         if self.steady {
             let dice = self.dice;
-            list.sort_by_cached_key(|&a| (!kept(a), FxBuildHasher.hash_one((dice, a))));
+            list.sort_by_cached_key(|&(a, _)| (!kept(a), FxBuildHasher.hash_one((dice, a))));
             return;
         }
         let Some(dice) = &mut self.dice else { return };
@@ -93,6 +94,7 @@ enum Step {
 /// A state from which the search continues.
 struct Open {
     s: State,
+    held: SleepSet,
     /// Last step to the state, and its time.
     at: Sight<StepId>,
 }
@@ -141,10 +143,11 @@ impl<'a> DepthFirstSearch<'a> {
     ) -> bool {
         self.begin();
         let mut enabled = Enabled::default();
+        let mut first = Vec::new();
         let mut followed = Vec::new();
         let mut encoding = Encoded::default();
         while !self.is_over() && self.steps < steps {
-            let Some(Open { mut s, mut at }) = self.open.pop() else {
+            let Some(Open { mut s, mut held, mut at }) = self.open.pop() else {
                 break;
             };
             self.steps += 1;
@@ -153,11 +156,14 @@ impl<'a> DepthFirstSearch<'a> {
             }
             let trail = &mut self.trail;
             let observations = &mut self.observations;
-            observations.settle(&mut s, &mut enabled, |action| {
+            observations.settle(&mut s, &mut held, &mut enabled, |action| {
                 at.parent = push(trail, at.parent, Step::Act(action));
                 at
             });
             encode(observations.rules.frame(), &s, &mut encoding);
+            if held != 0 {
+                encoding.key.extend(held.to_le_bytes());
+            }
             if self.passed.insert(&encoding, 0, |_, _| 0).is_none() {
                 continue;
             }
@@ -165,10 +171,10 @@ impl<'a> DepthFirstSearch<'a> {
                 break;
             }
             let observations = &self.observations;
-            observations.followed(&s, &enabled, &mut followed);
+            observations.followed((&s, held), &enabled, &mut first, &mut followed);
             if order.late {
                 let l = observations.rules.frame();
-                followed.retain(|&action| {
+                followed.retain(|&(action, _)| {
                     !matches!(action, Action::Finish { executor, .. }
                         if !matches!(l.window(&s, executor).1, 0 | FOREVER))
                 });
@@ -182,8 +188,8 @@ impl<'a> DepthFirstSearch<'a> {
             {
                 self.pass(&s, at, jump);
             }
-            for &action in &followed {
-                self.act(&s, at, action);
+            for &(action, held) in &followed {
+                self.act(&s, held, at, action);
             }
             if order.patient
                 && let Some(jump) = jump
@@ -203,7 +209,7 @@ impl<'a> DepthFirstSearch<'a> {
         let at = Sight { parent: START, time: 0 };
         let s = self.observations.initial();
         self.observations.check(None, &s, at);
-        self.open.push(Open { s, at });
+        self.open.push(Open { s, held: 0, at });
     }
 
     /// Returns true if the search has seen everything, or enough.
@@ -256,9 +262,16 @@ impl<'a> DepthFirstSearch<'a> {
 
     /// Returns the time to let pass, in base units.
     fn jump(&self, s: &State, order: Order) -> Option<Ticks> {
-        let rules = &self.observations.rules;
-        let waits = |executor| order.late && rules.frame().window(s, executor).1 != FOREVER;
-        rules.next_moment(s, &waits)
+        let Observations { rules, reductions, .. } = &self.observations;
+        if !order.late {
+            return reductions.next_moment(rules, s);
+        }
+        let waiters = reductions.waiters(rules, s);
+        rules.next_moment(s, &|executor| {
+            let waits = waiters.as_ref();
+            rules.frame().window(s, executor).1 != FOREVER
+                || waits.is_some_and(|wait| wait.can_be_deferred(rules.system(), executor))
+        })
     }
 
     fn pass(&mut self, s: &State, at: Sight<StepId>, jump: Ticks) {
@@ -269,14 +282,14 @@ impl<'a> DepthFirstSearch<'a> {
         };
         self.observations.rules.elapse(&mut s, jump);
         self.look_at_clocks(&mut s, at);
-        self.open.push(Open { s, at });
+        self.open.push(Open { s, held: 0, at });
     }
 
-    fn act(&mut self, s: &State, at: Sight<StepId>, action: Action) {
+    fn act(&mut self, s: &State, mut held: SleepSet, at: Sight<StepId>, action: Action) {
         let mut s = s.clone();
         let at = Sight { parent: push(&mut self.trail, at.parent, Step::Act(action)), ..at };
-        self.observations.step(&mut s, action, at);
-        self.open.push(Open { s, at });
+        self.observations.step(&mut s, action, &mut held, at);
+        self.open.push(Open { s, held, at });
     }
 
     fn look_at_clocks(&mut self, s: &mut State, at: Sight<StepId>) {
@@ -308,7 +321,7 @@ impl<'a> DepthFirstSearch<'a> {
                 Step::Act(action) => {
                     run.steps.push((run.end, action));
                     let now = Sight { time: run.end, ..at };
-                    self.observations.step(&mut s, action, now);
+                    self.observations.step(&mut s, action, &mut 0, now);
                 }
                 Step::Pass(time) => {
                     run.end += u64::from(time);

@@ -6,18 +6,30 @@
 mod effort;
 pub(super) mod trace;
 
+use rustc_hash::FxHashSet;
+
 use self::trace::{ReconstructedRuns, Target};
 use super::graph::{Graph, Links, NodeId};
 use super::observations::{Observations, Sight};
 use crate::cancel::Cancel;
 use crate::explore::measure::{Divergence, Gauge, MeasurementMode};
-use crate::explore::reductions::Kind;
+use crate::explore::reductions::{Kind, SleepSet};
 use crate::explore::rules::{Enabled, Rules};
 use crate::explore::run::Run;
 use crate::explore::state::State;
-use crate::explore::store::{Covering, Encoded, Store, encode};
+use crate::explore::store::{Covering, Encoded, Store, decode, encode, holds};
 use crate::explore::watch::{Limits, Stop, Watch};
 use crate::system::Ticks;
+
+/// Number of states examined, per state of a layer, to find the states that are reached by postponed ends.
+const CLOSURE_STATES_PER_STATE: usize = 1;
+
+/// Bytes for a state that may reach others: the list of such states doubles as it grows, and sorting needs
+/// half of its size in addition.
+const SOURCE_BYTES: usize = 4 * size_of::<(usize, u32, &[Ticks], u32)>();
+
+/// Bytes of a tag in a set of tags.
+const TAG_BYTES: usize = size_of::<u32>() + 1;
 
 /// Number of states between two polls of the limits.
 pub(super) const STATES_PER_POLL: usize = 64;
@@ -199,19 +211,19 @@ impl<'a> Layers<'a> {
         self.layer.states.clear();
         self.layer.calm.clear();
         let mut links = Links::default();
-        // States after the longest waits come first, so that runs have fewer steps.
-        let mut stack = states;
-        stack.reverse();
+        let mut stack: Vec<(State, NodeId, SleepSet)> =
+            states.into_iter().map(|(s, parent)| (s, parent, 0)).collect();
         if initial {
-            for (s, parent) in &stack {
+            for (s, parent, _) in &stack {
                 let parent = *parent;
                 self.observations.check(None, s, Sight { parent, time });
             }
         }
         let mut enabled = Enabled::default();
+        let mut first = Vec::new();
         let mut followed = Vec::new();
         let mut encoding = Encoded::default();
-        while let Some((mut s, parent)) = stack.pop() {
+        while let Some((mut s, parent, mut held)) = stack.pop() {
             self.steps += 1;
             if self.steps % 16 == 1 {
                 self.layer.under_way = stack.capacity() * self.bytes_to_do() + links.memory();
@@ -220,12 +232,16 @@ impl<'a> Layers<'a> {
                 return;
             }
             let at = Sight { parent, time };
-            self.observations.settle(&mut s, &mut enabled, |_| at);
+            self.observations.settle(&mut s, &mut held, &mut enabled, |_| at);
             if self.observations.is_past_all(&s) {
                 self.spare.push(s);
                 continue;
             }
             encode(self.observations.rules.frame(), &s, &mut encoding);
+            // States with different sleep sets have different actions to follow, and are different.
+            if held != 0 {
+                encoding.key.extend(held.to_le_bytes());
+            }
             let tag = links.one(parent);
             let join = |one, other| links.join(one, other);
             let Some(key) = self.layer.states.insert(&encoding, tag, join) else {
@@ -236,12 +252,12 @@ impl<'a> Layers<'a> {
             if key as usize == self.layer.calm.len() {
                 self.layer.calm.push(!enabled.urgent);
             }
-            self.observations.followed(&s, &enabled, &mut followed);
-            for &action in &followed {
+            self.observations.followed((&s, held), &enabled, &mut first, &mut followed);
+            for &(action, mut held) in &followed {
                 let mut next = self.spare.pop().unwrap_or_default();
                 next.clone_from(&s);
-                self.observations.step(&mut next, action, at);
-                stack.push((next, parent));
+                self.observations.step(&mut next, action, &mut held, at);
+                stack.push((next, parent, held));
             }
             self.spare.push(s);
         }
@@ -253,6 +269,8 @@ impl<'a> Layers<'a> {
     fn keep_calm(&mut self, time: u64, links: &Links, by: &mut dyn PollControl<'a>) {
         let layer = std::mem::take(&mut self.layer.states);
         self.layer.under_way = layer.memory() + links.memory();
+        let redundant = self.redundant(&layer);
+        self.layer.under_way += redundant.capacity() * TAG_BYTES;
         let mut encoding = Encoded::default();
         let mut s = State::default();
         for key in 0..layer.len() as u32 {
@@ -265,7 +283,7 @@ impl<'a> Layers<'a> {
             encoding.key.clear();
             encoding.key.extend(layer.key(key));
             for (dims, tag) in layer.covers(key) {
-                if self.ends_now(dims) {
+                if self.ends_now(dims) || redundant.contains(&tag) {
                     continue;
                 }
                 encoding.dims.clear();
@@ -273,9 +291,9 @@ impl<'a> Layers<'a> {
                 let Some(node) = self.graph.keep(&encoding, time, links.list(tag)) else {
                     continue;
                 };
-                let rules = &self.observations.rules;
+                let Observations { rules, reductions, .. } = &self.observations;
                 self.graph.state_to(rules.frame(), node, &mut s);
-                if let Some(jump) = rules.next_moment(&s, &|_| false) {
+                if let Some(jump) = reductions.next_moment(rules, &s) {
                     self.graph.wait(node, time + u64::from(jump));
                 } else {
                     let at = Sight { parent: node, time };
@@ -292,6 +310,43 @@ impl<'a> Layers<'a> {
     fn ends_now(&self, dims: &[Ticks]) -> bool {
         let windows = dims.len() - self.observations.rules.frame().clocks();
         dims[..windows].chunks_exact(2).any(|w| w[1] == 0)
+    }
+
+    /// Returns the tags of calm states that others of the layer reach by postponed ends. The list is
+    /// incomplete if there are very many, because finding them must not take longer than following them. It
+    /// is empty if there is no memory for the search.
+    fn redundant(&self, layer: &Store) -> FxHashSet<u32> {
+        let Observations { rules, reductions, .. } = &self.observations;
+        // States with the most executing codels reach the most other states.
+        let mut sources: Vec<(usize, u32, &[Ticks], u32)> = Vec::new();
+        let room = self.limits.bytes.saturating_sub(self.memory());
+        if layer.count() > room / SOURCE_BYTES {
+            return FxHashSet::default();
+        }
+        for key in (0..layer.len() as u32).filter(|&key| self.layer.calm[key as usize]) {
+            let covers = layer.covers(key).filter(|(dims, _)| !self.ends_now(dims));
+            sources.extend(covers.map(|(dims, tag)| (dims.len(), key, dims, tag)));
+        }
+        sources.sort_by_key(|source| std::cmp::Reverse(source.0));
+        let mut out = FxHashSet::default();
+        let mut budget = 1000 + CLOSURE_STATES_PER_STATE * layer.len();
+        for (_, key, dims, tag) in sources {
+            if budget == 0 || self.cancel.is_over() {
+                break;
+            }
+            if out.contains(&tag) {
+                continue;
+            }
+            let s = decode(rules.frame(), layer.key(key), dims);
+            reductions.closure(rules, &s, &mut budget, |encoding| {
+                for (other, other_tag) in layer.find(&encoding.key) {
+                    if other_tag != tag && holds(rules.frame(), &encoding.dims, other) {
+                        out.insert(other_tag);
+                    }
+                }
+            });
+        }
+        out
     }
 
     // ---- Times that grow -------------------------------------------------------------------

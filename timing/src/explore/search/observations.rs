@@ -5,7 +5,7 @@ use crate::explore::held_cores::HeldCores;
 use crate::explore::measure::{Gauge, MeasurementMode, Timing};
 use crate::explore::never_observed::NeverObserved;
 use crate::explore::observe::{self, Observers};
-use crate::explore::reductions::{Kinds, Reductions};
+use crate::explore::reductions::{Kinds, Reductions, SleepSet, Watched};
 use crate::explore::rules::{Action, Enabled, Rules};
 use crate::explore::state::{Clocks, Stages, State, TaskStatus};
 use crate::explore::watch::Watch;
@@ -90,8 +90,9 @@ impl<'a, P: Copy> Observations<'a, P> {
             .chain(&watch.reach)
             .chain(watch.monitors.iter().flat_map(|monitor| &monitor.predicates))
             .collect();
+        let asked = Watched { predicates, measured: clocks.response };
         let goals = Goals::of(watch);
-        let reductions = Reductions::new(&own, &predicates, without);
+        let reductions = Reductions::new(&own, &asked, without);
         Observations {
             watch,
             observers: Observers::of(watch.predicates_within(), &watch.monitors),
@@ -145,6 +146,7 @@ impl<'a, P: Copy> Observations<'a, P> {
     pub(super) fn settle(
         &mut self,
         s: &mut State,
+        held: &mut SleepSet,
         enabled: &mut Enabled,
         mut at: impl FnMut(Action) -> Sight<P>,
     ) {
@@ -155,23 +157,37 @@ impl<'a, P: Copy> Observations<'a, P> {
                 break;
             }
             let action = enabled.actions[0];
-            self.step(s, action, at(action));
+            self.step(s, action, held, at(action));
             self.rules.enabled(s, enabled);
         }
     }
 
-    /// Writes the actions to follow in a state.
-    pub(super) fn followed(&self, s: &State, enabled: &Enabled, out: &mut Vec<Action>) {
-        self.reductions.persistent(&self.rules, s, enabled, out);
+    /// Writes the actions to follow in a state, each with the actions that it holds back.
+    pub(super) fn followed(
+        &self,
+        (s, held): (&State, SleepSet),
+        enabled: &Enabled,
+        first: &mut Vec<Action>,
+        out: &mut Vec<(Action, SleepSet)>,
+    ) {
+        let at = (s, held);
+        self.reductions.follow(&self.rules, at, enabled, first, out);
     }
 
     /// Performs an action, and checks the new state.
-    pub(super) fn step(&mut self, s: &mut State, action: Action, at: Sight<P>) {
-        let needs_before = !self.observers.is_empty() || !self.watch.reach.is_empty();
+    pub(super) fn step(
+        &mut self,
+        s: &mut State,
+        action: Action,
+        held: &mut SleepSet,
+        at: Sight<P>,
+    ) {
+        let needs_before = !self.observers.is_empty() || !self.watch.reach.is_empty() || *held != 0;
         let before = needs_before.then(|| s.clone());
         self.rules.apply(s, action);
         if let Some(before) = &before {
             observe::observe(&self.rules, &self.observers, Some(before), s);
+            *held = (self.reductions).sleep_set_after(&self.rules, before, action, s, *held);
         }
         self.begin_waiting(s, action);
         self.overdue_at_once(s, action, at);

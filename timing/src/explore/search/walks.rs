@@ -324,7 +324,7 @@ impl Walks<'_> {
             if let Some(action) = self.choose(&s, now, &enabled, &mut preferences) {
                 self.trail.push((now, action));
                 let at = Sight { parent: self.trail.len(), time: now };
-                self.observations.step(&mut s, action, at);
+                self.observations.step(&mut s, action, &mut 0, at);
                 continue;
             }
             let jump = rules.next_moment(&s, &|executor| {

@@ -13,7 +13,8 @@ use crate::verify::bounds::ResponseBounds;
 use crate::verify::group::Group;
 use crate::verify::part::Part;
 
-/// How often clients that may wait for ever go on (`None`: as often as they like), and the limit on states.
+/// For each exploration: the number of times that a client which may wait for ever continues (`None`: no
+/// limit), and the limit on states.
 const ROUNDS: [(Option<usize>, usize); 4] =
     [(Some(0), 100_000), (None, 20_000), (Some(1), 100_000), (Some(2), 100_000)];
 

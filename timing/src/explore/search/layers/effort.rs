@@ -1,7 +1,7 @@
 //! Effort of a search in layers: states, memory, and the reductions in use.
 
 use super::Layers;
-use crate::explore::reductions::{Activity, Kind, Reason};
+use crate::explore::reductions::{Activity, Kind, Reason, SleepSet};
 use crate::explore::search::graph::NodeId;
 use crate::explore::watch::Stop;
 
@@ -33,7 +33,7 @@ impl Layers<'_> {
 
     /// Returns the bytes of a state in the work list.
     pub(in crate::explore::search) fn bytes_to_do(&self) -> usize {
-        size_of::<NodeId>() + self.observations.rules.frame().state_bytes()
+        size_of::<(NodeId, SleepSet)>() + self.observations.rules.frame().state_bytes()
     }
 
     /// Returns the bytes in use.
