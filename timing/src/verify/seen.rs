@@ -1,5 +1,5 @@
-//! The worst results of short explorations: failures, and the longest times. If the whole exploration is given
-//! up, the report contains these results.
+//! The worst results of short explorations: failures, and the longest times. If the whole exploration is
+//! given up, the report contains these results.
 
 use crate::report::{CheckReport, Value, Verdict};
 
