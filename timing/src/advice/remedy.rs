@@ -58,7 +58,7 @@ pub fn remedy(
             _ => false,
         }
     });
-    let trial = Trial::new(&names, settings, limits(report, options), cancel, None);
+    let trial = Trial::new(&names, settings, report, limits(report, options), cancel, None);
     let suspects = suspects(check).into_iter().take(MAX_CODELS_TRIED);
     let by_codel = { suspects }.find_map(|codel| trial.wcet(&codel));
     let waits = || check.reason.iter().any(|reason| reason.awaited == Awaited::Core);

@@ -120,7 +120,7 @@ pub fn repairs(
     let together = limits.threads.max(1);
     let limits = Limits { bytes: limits.bytes / together, ..limits };
     let end = time_limit.map(|limit| Instant::now() + limit);
-    let trial = Trial::new(&names, settings, limits, cancel, end);
+    let trial = Trial::new(&names, settings, report, limits, cancel, end);
     let candidates = candidates(&trial, &missed);
     let late = || end.is_some_and(|end| Instant::now() > end);
     let found = questions::all(

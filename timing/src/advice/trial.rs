@@ -7,7 +7,7 @@ use dotgen_analysis::model::{self, Seconds};
 use super::change::Change;
 use crate::explore::Limits;
 use crate::limit::{Grid, Phase};
-use crate::report::{CheckReport, TimeUnit, Verdict};
+use crate::report::{CheckReport, Report, TimeUnit, Verdict};
 use crate::scn::ast::{Durations, Path, Policy};
 use crate::scn::names::Names;
 use crate::system::build::build;
@@ -31,6 +31,8 @@ pub(super) struct Trial<'t> {
     report_unit: TimeUnit,
     limits: Limits,
     cancel: &'t Cancel,
+    /// The report on the unchanged system.
+    report: &'t Report,
     /// Time after which no further change is tried.
     end: Option<Instant>,
 }
@@ -39,6 +41,7 @@ impl<'t> Trial<'t> {
     pub(super) fn new(
         names: &'t Names<'t>,
         settings: Settings,
+        report: &'t Report,
         limits: Limits,
         cancel: &'t Cancel,
         end: Option<Instant>,
@@ -50,8 +53,17 @@ impl<'t> Trial<'t> {
             settings,
             limits,
             cancel,
+            report,
             end,
         }
+    }
+
+    /// Returns true if a check holds for the reason only that nothing happens any more.
+    fn is_emptied(&self, check: &CheckReport) -> bool {
+        let same = |before: &&CheckReport| before.kind == check.kind && before.of == check.of;
+        let was_empty = |before: &CheckReport| before.verdict == Verdict::Vacuous;
+        check.verdict == Verdict::Vacuous
+            && !self.report.checks.iter().find(same).is_some_and(was_empty)
     }
 
     /// Returns the unchanged system.
@@ -77,7 +89,7 @@ impl<'t> Trial<'t> {
             Verdict::Unknown
         } else if let Some(check) = checks.iter().find(|check| !check.verdict.holds()) {
             check.verdict
-        } else if checks.iter().any(CheckReport::exceeds) {
+        } else if checks.iter().any(|check| check.exceeds() || self.is_emptied(check)) {
             Verdict::Refuted
         } else {
             Verdict::Proved

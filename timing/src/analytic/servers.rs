@@ -54,6 +54,8 @@ struct Bound {
     pass: Option<u64>,
     /// From the beginning of the first cycle to its end. An aperiodic task has none.
     first: Option<u64>,
+    /// From the time at which the [leader](chain) of the task begins to the end of the first cycle.
+    start_up: Option<u64>,
     /// From the tick of another cycle to its end.
     other: Option<u64>,
     /// From the beginning of the second cycle to its end, if a tick may have come before.
@@ -61,7 +63,8 @@ struct Bound {
 }
 
 impl Bound {
-    const LEAST: Bound = Bound { pass: Some(0), first: Some(0), other: Some(0), second: Some(0) };
+    const LEAST: Bound =
+        Bound { pass: Some(0), first: Some(0), start_up: Some(0), other: Some(0), second: Some(0) };
 }
 
 /// A cycle, or a part of it.
@@ -70,6 +73,8 @@ enum Cycle {
     /// The first pass of the first cycle.
     FirstPass,
     First,
+    /// The first cycle, and all that its component does since the [leader](chain) of the task has begun.
+    StartUp,
     Other,
 }
 
@@ -80,6 +85,9 @@ struct Known {
     begins: u64,
     /// The latest beginning of the first cycle.
     latest: Option<u64>,
+    /// The earliest and the latest beginning of its [leader](chain).
+    leader_begins: u64,
+    leader_latest: Option<u64>,
     /// The first tick that can come after it: no measured job begins earlier.
     next: u64,
     /// The latest end of the first cycle.
@@ -89,6 +97,23 @@ struct Known {
 }
 
 type Knowns = TiVec<TaskId, Known>;
+
+/// Returns the tasks of the component, up to this one, of which each but the first begins as soon as the one
+/// before has ended its first pass. The first of them, the leader, begins at a tick.
+fn chain(system: &TimedSystem, task: TaskId) -> &[TaskId] {
+    let all = &system.components[system.tasks[task].component].tasks;
+    let (mut begins, mut leader) = (0, 0);
+    for (number, &other) in all.iter().enumerate() {
+        let first_tick = system.first_tick(other).unwrap_or(0);
+        if first_tick > begins {
+            (begins, leader) = (first_tick, number);
+        }
+        if other == task {
+            return &all[leader..=number];
+        }
+    }
+    &[]
+}
 
 /// The bounds of all tasks, and the times that follow from them.
 struct Facts<'f> {
@@ -102,16 +127,23 @@ fn known(system: &TimedSystem, bounds: &TiVec<TaskId, Bound>) -> Knowns {
     for component in &system.components {
         // The earliest and the latest beginning of a first cycle.
         let (mut begins, mut latest) = (0u64, Some(0u64));
+        let (mut leader_begins, mut leader_latest) = (begins, latest);
         for &task in &component.tasks {
-            let Bound { pass, first, other, second } = bounds[task];
+            let Bound { pass, first, start_up, other, second } = bounds[task];
             let period = system.tasks[task].period.map(u64::from);
             let first_tick = system.first_tick(task).unwrap_or(0);
+            let is_leader = first_tick > begins;
             begins = begins.max(first_tick);
             latest = latest.map(|latest| latest.max(first_tick));
+            if is_leader {
+                (leader_begins, leader_latest) = (begins, latest);
+            }
             let after = |time: Option<u64>| latest?.checked_add(time?);
             let ends = after(if period.is_some() { first } else { pass });
+            let together = leader_latest.zip(start_up).map(|(begins, time)| begins + time);
+            let ends = ends.into_iter().chain(together).min();
             let begins_by = latest;
-            latest = after(pass);
+            latest = after(pass).into_iter().chain(ends).min();
             // A task that begins late has an older tick, and the tick of that moment may come after it.
             let next = period.map_or(begins, |period| match begins - first_tick {
                 0 => first_tick + period,
@@ -124,7 +156,15 @@ fn known(system: &TimedSystem, bounds: &TiVec<TaskId, Bound>) -> Knowns {
                 None => Some(first? + second?),
             };
             let most = || Some(late()?.max(other?)).filter(|&most| Some(most) < period);
-            out[task] = Known { begins, latest: begins_by, next, ends, after_tick: most() };
+            out[task] = Known {
+                begins,
+                latest: begins_by,
+                leader_begins,
+                leader_latest,
+                next,
+                ends,
+                after_tick: most(),
+            };
         }
     }
     out
@@ -171,11 +211,12 @@ pub(super) fn response_bounds(
                     let each: Option<Vec<u64>> = each.collect();
                     each?.into_iter().max()
                 };
-                let Bound { pass, first, other, .. } = bounds[task];
+                let Bound { pass, first, start_up, other, .. } = bounds[task];
                 let other = greatest(Cycle::Other, other);
                 Bound {
                     pass: greatest(Cycle::FirstPass, pass),
                     first: greatest(Cycle::First, first),
+                    start_up: greatest(Cycle::StartUp, start_up),
                     other,
                     second: other,
                 }

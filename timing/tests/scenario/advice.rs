@@ -189,6 +189,26 @@ fn a_change_that_repairs_one_of_two_tasks_is_none() {
 }
 
 #[test]
+fn a_policy_under_which_no_job_is_released_any_more_is_no_repair() {
+    // `hi` waits for `lo`, and `lo` for `mid`. With a policy that does not preempt, `poll` keeps the core.
+    let late = r#"component late { version "1"; lang "c"; ids { long x; };
+      task poll { priority 9; codel<start> listen() yield start wcet 1 ms; };
+      task hi { period 10 ms; priority 1; codel<start> a(inout x) yield pause::start wcet 1 ms; };
+      task lo { period 60 ms; priority 8; codel<start> b(inout x) yield pause::start wcet 2 ms; };
+      task mid { period 20 ms; priority 2; codel<start> c() yield pause::start wcet 9 ms; };
+    };"#;
+    let of = |policy: &str| scenario(&format!("semantics servers; cores 1; policy {policy};"));
+    let verdicts = |policy: &str| -> Vec<Verdict> {
+        report(late, &of(policy)).checks.iter().map(|check| check.verdict).collect()
+    };
+    assert!(verdicts("priority").contains(&Verdict::Refuted));
+    assert!(verdicts("fifo").contains(&Verdict::Vacuous));
+    let (found, _) = found(late, &of("priority"));
+    let is_policy = |change: &Change| matches!(change, Change::Policy { .. });
+    assert!(!found.changes.iter().any(is_policy), "{:?}", found.changes);
+}
+
+#[test]
 fn limits_come_by_use_without_what_nobody_asks_for_and_say_what_breaks_first() {
     let fine = LIFT.replace("wcet 8 ms", "wcet 4 ms");
     let asked = |items: &str| {

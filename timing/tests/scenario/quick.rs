@@ -12,6 +12,8 @@ use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
 use super::{ROBOT, load};
 
+mod priority;
+
 /// Returns bounds on the response times of all tasks under the published semantics, in base units.
 fn bounds(specification: &str, scenario: &str) -> String {
     bounds_under(Preset::Published, specification, scenario)
@@ -376,25 +378,6 @@ fn activities_that_a_client_requests_one_after_the_other_do_not_add_up() {
     // begins activities in its first pass only.
     assert_eq!(both("delay 5 ms;"), ["c.t 6\n", "c.t 6\n"]);
     assert_eq!(both(""), ["c.t 6\n", "c.t 6\n"]);
-}
-
-#[test]
-fn under_priorities_a_thread_at_the_head_of_the_queue_without_a_core_keeps_others_waiting() {
-    // `lo` excludes nobody. But `hi` waits behind its ticket while `mid` has the core.
-    let specification = r"
-        component c {
-            ids { long x; long y; };
-            task hi { period 50 ms; priority 1; codel<start> a(inout x) yield pause::start wcet 1 ms; };
-            task lo { period 50 ms; priority 9; codel<start> b(inout y) yield pause::start wcet 1 ms; };
-        };
-        component d { task mid { period 40 ms; priority 5; codel<start> m() yield pause::start wcet 9 ms; }; };
-    ";
-    let bounds = bounds_under(Preset::Servers, specification, "cores 1; policy priority;");
-    insta::assert_snapshot!(bounds, @r"
-    c.hi 10
-    c.lo 11
-    d.mid 10
-    ");
 }
 
 /// A value that is written, copied and published each 10 ms.

@@ -11,3 +11,18 @@ export async function reveal(uri: string, at: Range): Promise<void> {
   const shown = vscode.window.visibleTextEditors.find((it) => it.document.uri.toString() === uri);
   await vscode.window.showTextDocument(vscode.Uri.parse(uri), { selection: range(at), viewColumn: shown?.viewColumn ?? vscode.ViewColumn.One });
 }
+
+/** The menus of an editor, with the command and the kind of what they offer. */
+const MENUS = {
+  fixes: ['editor.action.quickFix', vscode.CodeActionKind.QuickFix],
+  refactorings: ['editor.action.refactor', vscode.CodeActionKind.Refactor],
+} as const;
+
+/** Shows a place with a menu of what can be done there. */
+export async function offer(menu: keyof typeof MENUS, uri: string, at: Range): Promise<void> {
+  await reveal(uri, at);
+  const [command, kind] = MENUS[menu];
+  // An automatic request that follows the move of the cursor by half a second would drop a slower answer.
+  await vscode.commands.executeCommand('vscode.executeCodeActionProvider', vscode.Uri.parse(uri), range(at), kind.value);
+  await vscode.commands.executeCommand(command);
+}

@@ -6,6 +6,7 @@ import { ready } from '../commands/server';
 import { explicitSettings, serverSettings } from '../config';
 import { reported } from '../failure';
 import { SidePanel } from '../panel/panel';
+import { offer } from '../panel/reveal';
 import { offerTrust } from '../restricted';
 import { LANGUAGE, SCENARIO } from '../protocol';
 import type { FromPage, Ran, RunView, ToPage } from './messages';
@@ -173,8 +174,10 @@ async function offerStubs(component: string | undefined): Promise<void> {
   if (component === undefined) return;
   const symbols = await vscode.commands.executeCommand<vscode.SymbolInformation[]>('vscode.executeWorkspaceSymbolProvider', component);
   const at = symbols.find((it) => it.name === component)?.location;
-  if (at === undefined) return;
-  const selection = new vscode.Range(at.range.start, at.range.start);
-  await vscode.window.showTextDocument(at.uri, { selection, viewColumn: vscode.ViewColumn.One });
-  await vscode.commands.executeCommand('editor.action.refactor');
+  if (at === undefined) {
+    void vscode.window.showWarningMessage(`No specification of the component ${component} is in this folder, so no stubs can be written.`);
+    return;
+  }
+  const { start } = at.range;
+  await offer('refactorings', at.uri.toString(), { start, end: start });
 }

@@ -5,7 +5,7 @@ import { WorkDoneProgress } from 'vscode-languageclient/node';
 import type { Server } from '../client';
 import { ready } from '../commands/server';
 import { SidePanel } from '../panel/panel';
-import { reveal } from '../panel/reveal';
+import { offer, reveal } from '../panel/reveal';
 import { LANGUAGE, SCENARIO, sensitivity, verification, type VerificationAnswer, type WhatIf } from '../protocol';
 import type { TraceTarget } from '../trace/panel';
 import type { FromPage, Limits, Subject, ToPage } from './messages';
@@ -107,9 +107,7 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
         });
       case 'repair': {
         const { uri, line, character } = message;
-        await reveal(uri, { start: { line, character }, end: { line, character } });
-        await vscode.commands.executeCommand('editor.action.quickFix');
-        return;
+        return offer('fixes', uri, { start: { line, character }, end: { line, character } });
       }
       case 'check':
         this.subject = { ...this.subject, check: message.check };

@@ -9,12 +9,13 @@
 //! * `edf`: a task with a longer period has one cycle ahead at most, and one of a kept tick. Of the tasks
 //!   whose cycles go after the job, as many as there are cores have one already.
 //! * `any`, `edf` otherwise: the cycles of the window.
-//! * `priority`, `fair`: the job can lose its core at any time, so the window is the whole response. Under
-//!   `priority` only threads that do not go after the job count while the job itself has no core; while a
-//!   thread has none that is ahead of the job in the lock queue, those that do not go after that thread count
-//!   (M. Bertogna, M. Cirinei, *Response-time analysis for globally scheduled symmetric multiprocessor
-//!   platforms*, RTSS 2007, also for min(*W*, *x*)). A thread may wait for the core that it is bound to while
-//!   other cores idle: there the work of all others counts.
+//! * `priority`, `fair`: the job can lose its core at any time, so the window is the whole response. At each
+//!   moment of it the job executes, or a thread that goes before the job or before a thread that is ahead in
+//!   the lock queue. So the response is at most the work of all of them, also if threads are bound to cores.
+//!   Otherwise the equation counts, with the same threads, while the job has no core or a thread ahead has
+//!   none. If one thread ahead goes after the job, it has no core then (M. Bertogna, M. Cirinei,
+//!   *Response-time analysis for globally scheduled symmetric multiprocessor platforms*, RTSS 2007, also for
+//!   min(*W*, *x*)).
 //!
 //! Without preemption a cycle keeps its core while it waits for a lock. Let *m* - 1 threads be apart. While
 //! one of the others waits for one of the others, two of the others have cores, so one of the *m* - 1 has
@@ -34,7 +35,7 @@
 use std::cmp::Reverse;
 
 use super::jobs::Single;
-use super::{Cycle, Known, Knowns, Window, executed_once};
+use super::{Cycle, Known, Knowns, Window, chain, executed_once};
 use crate::analytic::demand::longest_wait;
 use crate::system::{CodelId, ComponentId, Policy, TaskId};
 
@@ -82,6 +83,10 @@ impl Window<'_> {
         known: &Knowns,
         single: Option<Single>,
     ) -> Option<u64> {
+        let work = self.without_waits(Waiting { task, cycle, window: least, single }, known);
+        if cycle == Cycle::StartUp {
+            return Some(least.max(work?));
+        }
         let length = u64::from(self.length(task, cycle, Some(known), &|_| true)?);
         let platform = &self.system.platform;
         let enough = platform.cores.is_none_or(|cores| cores as usize >= self.system.tasks.len());
@@ -92,49 +97,65 @@ impl Window<'_> {
             Policy::Priority | Policy::Fair => least.max(length),
             Policy::Fifo | Policy::Edf | Policy::Any => least.saturating_sub(length),
         };
-        let response =
-            self.with_core_wait(Waiting { task, cycle, window, single }, length, known)?;
-        Some(least.max(response))
+        let response = self.with_core_wait(Waiting { task, cycle, window, single }, length, known);
+        Some(least.max(response.into_iter().chain(work).min()?))
+    }
+
+    /// Returns the work of a job that can lose its core, and of all threads for which it can wait: one of
+    /// them executes at any time. Waits for threads that need no core count as such.
+    fn without_waits(&self, job: Waiting, known: &Knowns) -> Option<u64> {
+        if !self.system.preempts() {
+            return None;
+        }
+        let chain = chain(self.system, job.task);
+        if job.cycle == Cycle::StartUp && !chain.iter().all(|&task| self.system.needs_core(task)) {
+            return None;
+        }
+        let tasks = self.system.tasks.len();
+        let waits_for =
+            |thread: usize| thread < tasks && !self.system.needs_core(TaskId::from(thread));
+        let length = self.length(job.task, job.cycle, Some(known), &waits_for)?;
+        let rivals = self.rivals_for_cores(job, known, &|_| true);
+        let goes_first = |rival: &&Rival| match job.cycle {
+            Cycle::StartUp => chain.iter().any(|&task| self.goes_first(task, rival)),
+            _ => self.goes_first(job.task, rival),
+        };
+        let mut rivals = rivals.iter().filter(goes_first);
+        rivals.try_fold(u64::from(length), |sum, rival| sum.checked_add(rival.time?))
+    }
+
+    /// Returns true if a thread can have a core while a job has none, or while a thread has none that is
+    /// ahead of the job in the lock queue.
+    fn goes_first(&self, task: TaskId, rival: &Rival) -> bool {
+        let of = |thread: usize| self.priorities[thread];
+        let last = self.threads_ahead(task).into_iter().chain([usize::from(task)]).map(of).max();
+        self.system.platform.policy != Policy::Priority
+            || last.is_some_and(|last| of(rival.thread) <= last)
     }
 
     /// Returns the longest time of a job and its wait for cores; `length` is the time without that wait.
     fn with_core_wait(&self, job: Waiting, length: u64, known: &Knowns) -> Option<u64> {
         let cores = u64::from(self.system.platform.cores?);
-        let mut rivals = self.rivals_for_cores(job, known, &|_| true);
-        let priority = |thread: usize| match self.system.platform.policy {
-            Policy::Priority => self.priorities[thread],
-            _ => 0,
-        };
-        let own = priority(usize::from(job.task));
-        let ahead = self.threads_ahead(job.task);
-        let last = ahead.iter().map(|&thread| priority(thread)).max();
-        rivals.retain(|rival| priority(rival.thread) <= own.max(last.unwrap_or(0)));
         if self.system.tasks.iter().any(|task| task.affinity.is_some()) {
-            if !self.system.preempts() {
-                return None;
-            }
-            return rivals.iter().try_fold(length, |sum, rival| sum.checked_add(rival.time?));
+            return None;
         }
-        let wait = |rivals: &mut dyn Iterator<Item = &Rival>| {
-            let times: Vec<Option<u64>> = rivals.map(|rival| rival.time).collect();
-            let works: Vec<u64> = times.iter().copied().flatten().collect();
-            let endless = (times.len() - works.len()) as u64;
-            longest_wait(cores.checked_sub(endless)?, works)
+        let mut rivals = self.rivals_for_cores(job, known, &|_| true);
+        rivals.retain(|rival| self.goes_first(job.task, rival));
+        let waits = |rivals: &[Rival]| {
+            let works: Vec<u64> = rivals.iter().filter_map(|rival| rival.time).collect();
+            let endless = (rivals.len() - works.len()) as u64;
+            longest_wait(cores.checked_sub(endless)?, works)?.checked_add(length)
         };
-        let together = wait(&mut rivals.iter()).and_then(|wait| length.checked_add(wait));
         if self.system.preempts() {
-            let while_own = wait(&mut rivals.iter().filter(|rival| priority(rival.thread) <= own));
-            let while_ahead = last.map_or(Some(0), |last| {
-                // While the only one has no core, it does not keep another one from it.
-                let is_apart = |rival: &Rival| ahead == [rival.thread];
-                let others = rivals.iter().filter(|rival| !is_apart(rival));
-                wait(&mut others.filter(|rival| priority(rival.thread) <= last))
-            });
-            let apart = while_own
-                .zip(while_ahead)
-                .and_then(|(own, ahead)| length.checked_add(own)?.checked_add(ahead));
-            return together.into_iter().chain(apart).min();
+            if self.system.platform.policy == Policy::Priority {
+                let own = self.priorities[usize::from(job.task)];
+                let mut ahead = self.threads_ahead(job.task);
+                ahead.retain(|&thread| self.priorities[thread] > own);
+                rivals.retain(|rival| ahead != [rival.thread]);
+            }
+            return waits(&rivals);
         }
+        let together = waits(&rivals);
         rivals.sort_by_key(|rival| Reverse(rival.time.unwrap_or(u64::MAX)));
         // Threads without a bound are apart, and all choices of the last thread are tried.
         let (last, apart) = (cores as usize)
@@ -335,9 +356,8 @@ impl Window<'_> {
         let ticks = |time: u64| time.checked_sub(first_tick).map_or(0, |time| time / period + 1);
         let until = ticks(to + job.window);
         let Some(response) = after_tick else {
-            // A flag is raised by each tick, and at most one has been raised before.
-            let before =
-                if begins < from { ticks(from - 1).saturating_sub(1) } else { ticks(begins) };
+            // After the ticks of that moment at most one flag is raised, and each later tick raises one.
+            let before = if begins < from { ticks(from).saturating_sub(1) } else { ticks(begins) };
             let under_way = match (begins < from, is_started) {
                 (true, true) => each,
                 (true, false) => each.max(first),
@@ -391,7 +411,11 @@ impl Window<'_> {
         known: &Knowns,
     ) -> bool {
         let own = &known[task];
-        let begins = if cycle == Cycle::Other { own.next } else { own.begins };
+        let begins = match cycle {
+            Cycle::Other => own.next,
+            Cycle::StartUp => own.leader_begins,
+            Cycle::First | Cycle::FirstPass => own.begins,
+        };
         let begins = begins.max(self.client.begins);
         known[other].ends.is_some_and(|ends| ends <= begins)
     }

@@ -197,11 +197,14 @@ impl SingleJobs<'_, '_, '_> {
                     changed |= self.jobs_of(task, bounds[task].other, &facts, true).1;
                     continue;
                 }
-                let Bound { pass, first, other, second } = out[task];
+                let Bound { pass, first, start_up, other, second } = out[task];
                 let Known { begins, latest, ends, next, .. } = facts[task];
+                let Known { leader_begins, leader_latest, .. } = facts[task];
+                let leader = leader_latest.map(|latest| (leader_begins, latest));
                 let first_from_to = latest.map(|latest| (begins, latest));
                 out[task].pass = self.at(task, Cycle::FirstPass, pass, first_from_to, &facts);
                 out[task].first = self.at(task, Cycle::First, first, first_from_to, &facts);
+                out[task].start_up = self.at(task, Cycle::StartUp, start_up, leader, &facts);
                 out[task].second = match ends {
                     Some(ends) if ends < next => second,
                     _ => {
@@ -221,6 +224,7 @@ impl SingleJobs<'_, '_, '_> {
                     let (old, new) = (bounds[task], &mut out[task]);
                     new.pass = new.pass.or(old.pass);
                     new.first = new.first.or(old.first);
+                    new.start_up = new.start_up.or(old.start_up);
                 }
                 return Some(out);
             }

@@ -2,7 +2,6 @@
 
 use super::{Cycle, Knowns, Rival, Window};
 use crate::analytic::instances::Party;
-use crate::analytic::ways::resumed;
 use crate::system::{AutomatonId, CodelId, FOREVER, ServiceId, TaskId, Ticks};
 
 /// A way to count the codels of a thread that keep a cycle waiting.
@@ -155,18 +154,24 @@ impl Window<'_> {
         if number < 2 || cycle != Cycle::Other {
             return each;
         }
-        // An activity that does not pause belongs to one cycle.
-        let slots = self.system.tasks[task].slots.iter();
-        let (again, once): (Vec<AutomatonId>, Vec<AutomatonId>) =
-            slots.partition(|&&slot| resumed(self.system.machine_of(slot)).next().is_some());
-        let once = once.iter().try_fold(0u64, |sum, &slot| {
+        // Each instance of an activity begins in one cycle, and has later turns, if any, in the others.
+        let often = |slot: AutomatonId| {
             let service = self.system.automata[slot].service?;
-            let often = u64::from(self.client.requests[service]?);
-            let time = u64::from(self.turns.longest(slot, cycle, time)?);
-            sum.checked_add(time.checked_mul(often)?)
+            Some((self.client.requests[service]?, self.turns.later(slot, time)?))
+        };
+        let begins = self.system.tasks[task].slots.iter().try_fold(0u64, |sum, &slot| {
+            let Some((often, later)) = often(slot) else {
+                return Some(sum);
+            };
+            let more = self.turns.longest(slot, cycle, time)?.checked_sub(later)?;
+            sum.checked_add(u64::from(more).checked_mul(u64::from(often))?)
         });
-        let again = self.work_of(task, cycle, time, &|slot| again.contains(&slot))?;
-        let apart = once.and_then(|once| u64::from(again).checked_mul(number)?.checked_add(once));
+        let later = self.work_of(task, cycle, &|automaton| match often(automaton) {
+            Some((_, later)) => Some(later),
+            None => self.turns.longest(automaton, cycle, time),
+        })?;
+        let apart =
+            begins.and_then(|begins| u64::from(later).checked_mul(number)?.checked_add(begins));
         each.into_iter().chain(apart).min()
     }
 
@@ -177,21 +182,20 @@ impl Window<'_> {
         cycle: Cycle,
         time: &dyn Fn(CodelId) -> Option<Ticks>,
     ) -> Option<Ticks> {
-        self.work_of(task, cycle, time, &|_| true)
+        self.work_of(task, cycle, &|automaton| self.turns.longest(automaton, cycle, time))
     }
 
-    /// Returns the longest time of the codels of a cycle that only begins or resumes certain activities.
+    /// Returns the longest time of a cycle, with this time for the turns of each automaton.
     fn work_of(
         &self,
         task: TaskId,
         cycle: Cycle,
-        time: &dyn Fn(CodelId) -> Option<Ticks>,
-        counts: &dyn Fn(AutomatonId) -> bool,
+        turns: &dyn Fn(AutomatonId) -> Option<Ticks>,
     ) -> Option<Ticks> {
         let definition = &self.system.tasks[task];
         let mut length = 0;
         if let Some(permanent) = definition.permanent {
-            length = self.turns.longest(permanent, cycle, time)?;
+            length = turns(permanent)?;
         }
         if cycle != Cycle::Other {
             // Requests are taken after the first passes of all tasks of the component, and a cycle begins
@@ -200,13 +204,13 @@ impl Window<'_> {
         }
         // By service: the greatest number of instances, and the time of each.
         let mut instances: Vec<(ServiceId, u32, Ticks)> = Vec::new();
-        for &automaton in definition.slots.iter().filter(|&&automaton| counts(automaton)) {
+        for &automaton in &definition.slots {
             let Some(service) = self.system.automata[automaton].service else {
                 continue;
             };
             let most = self.client.requests[service].unwrap_or(definition.places);
             if most > 0 {
-                instances.push((service, most, self.turns.longest(automaton, cycle, time)?));
+                instances.push((service, most, turns(automaton)?));
             }
         }
         instances.sort_unstable_by_key(|instance| std::cmp::Reverse(instance.2));

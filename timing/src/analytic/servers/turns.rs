@@ -26,6 +26,8 @@ struct OwnTurns {
     first: Ways,
     /// Those that a cycle can begin with, but not the beginning of a permanent activity.
     other: Ways,
+    /// Those after a pause.
+    later: Ways,
     /// Those after an interruption, if there can be one.
     stop: Option<Ways>,
 }
@@ -42,6 +44,7 @@ impl<'s> Turns<'s> {
                 is_endless: !is_limited && !pauseless_cycles(machine).is_empty(),
                 first: Ways::turns(machine, [machine.start]),
                 other: Ways::turns(machine, resumed(machine).chain(begins)),
+                later: Ways::turns(machine, resumed(machine)),
                 stop: stop.map(|stop| Ways::turns(machine, [stop])),
             }
         });
@@ -69,12 +72,28 @@ impl<'s> Turns<'s> {
         let cost = |state: usize| time(machine.states[state].codel).map(u64::from);
         let length = match (cycle, &own.stop) {
             (Cycle::FirstPass, _) => return time(machine.states[machine.start].codel),
-            (Cycle::First, _) => own.first.costliest(&cost)?,
+            (Cycle::First | Cycle::StartUp, _) => own.first.costliest(&cost)?,
             (Cycle::Other, None) => own.other.costliest(&cost)?,
             (Cycle::Other, Some(stop)) => {
                 own.other.costliest(&cost)?.checked_add(stop.costliest(&cost)?)?
             }
         };
+        Ticks::try_from(length).ok().filter(|_| !own.is_endless)
+    }
+    /// Returns the longest time of an activity in a cycle in which it does not begin: none without a pause.
+    pub(super) fn later(
+        &self,
+        automaton: AutomatonId,
+        time: &dyn Fn(CodelId) -> Option<Ticks>,
+    ) -> Option<Ticks> {
+        let machine = self.system.machine_of(automaton);
+        if resumed(machine).next().is_none() {
+            return Some(0);
+        }
+        let own = &self.of[automaton];
+        let cost = |state: usize| time(machine.states[state].codel).map(u64::from);
+        let stop = own.stop.as_ref().map_or(Some(0), |stop| stop.costliest(&cost));
+        let length = own.later.costliest(&cost)?.checked_add(stop?)?;
         Ticks::try_from(length).ok().filter(|_| !own.is_endless)
     }
 }
