@@ -343,7 +343,7 @@ fn ten_tasks() -> String {
         format!(
             "task t{i} {{ period {period} ms; codel <start> c{i}(inout x) yield pause::start wcet {} us; \
              }};\n",
-            period * 5
+            period * 9
         )
     };
     let tasks: String = periods.into_iter().enumerate().map(task).collect();
