@@ -42,9 +42,10 @@ use std::cell::OnceCell;
 
 use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
+use self::cores::Held;
 use self::demand::{Demand, Jobs, Kind};
 pub use self::reaction::reaction_bound;
-use self::rivals::{Rivals, excluded};
+use self::rivals::{Apart, Rivals, excluded};
 use self::situations::{Situations, situations};
 use self::ways::{Ways, resumed};
 use self::windows::{Requests, whole_run, windows};
@@ -121,6 +122,8 @@ struct Analysis<'s> {
     system: &'s TimedSystem,
     /// Turns in jobs, by automaton.
     turns: TiVec<AutomatonId, Ways>,
+    /// The same, without the beginning of an activity.
+    later: TiVec<AutomatonId, Ways>,
     /// The work of the whole run.
     whole: Window,
     /// The windows of jobs of tasks with this period.
@@ -148,7 +151,10 @@ impl<'s> Analysis<'s> {
         let mut analysis = Analysis {
             system,
             turns: (system.automata.keys())
-                .map(|automaton| turns_in_jobs(system, automaton))
+                .map(|automaton| turns_in_jobs(system, automaton, true))
+                .collect(),
+            later: (system.automata.keys())
+                .map(|automaton| turns_in_jobs(system, automaton, false))
                 .collect(),
             whole: Window::default(),
             windows: Vec::new(),
@@ -280,6 +286,7 @@ impl<'s> Analysis<'s> {
             demand.jobs.push(Jobs {
                 period: system.tasks[job.task].period?,
                 work: job.job?,
+                once: 0,
                 kind: Kind::First(self.first_tick(job.task)),
                 released: Some(u64::MAX),
             });
@@ -309,11 +316,11 @@ impl<'s> Analysis<'s> {
     fn next_bounds(&self) -> TiVec<TaskId, Option<Bound>> {
         let system = self.system;
         let in_window = |window: &Window| -> TiVec<TaskId, Option<Bound>> {
-            let held: TiVec<TaskId, Option<u64>> =
+            let held: TiVec<TaskId, Held> =
                 system.tasks.keys().map(|task| self.held(window, task)).collect();
             let bound = |task: TaskId| {
                 let wait = u32::try_from(self.core_wait(window, task, &held)?).ok()?;
-                let response = u32::try_from(held[task]?).ok()?.checked_add(wait)?;
+                let response = u32::try_from(held[task].longest?).ok()?.checked_add(wait)?;
                 (response < FOREVER).then_some(Bound { response, wait })
             };
             system.tasks.keys().map(bound).collect()
@@ -336,7 +343,7 @@ impl<'s> Analysis<'s> {
     }
 
     /// Returns the greatest duration of all turns of one job.
-    fn held(&self, window: &Window, task: TaskId) -> Option<u64> {
+    fn held(&self, window: &Window, task: TaskId) -> Held {
         let alone = self.alone(task);
         let waits: TiVec<CodelId, _> = ti_vec![OnceCell::new(); self.system.codels.len()];
         let with_wait = |codel: CodelId| {
@@ -345,14 +352,18 @@ impl<'s> Analysis<'s> {
                 waits[codel].get_or_init(|| self.longest_busy(task, rivals, 0, alone, false));
             self.upper(codel)?.checked_add((*wait)?)
         };
-        let mut longest = 0;
-        for (party, rivals) in window.parties[task].iter().zip(&window.of_party[task]) {
+        let parties = &window.parties[task];
+        let of_party = |(party, rivals): (&Vec<AutomatonId>, &Rivals)| {
             let one_by_one = self.turns(party, &with_wait);
             let together = (self.turns(party, &|codel| self.upper(codel)))
                 .and_then(|work| self.longest_busy(task, rivals, work, alone, true));
-            longest = longest.max(one_by_one.into_iter().chain(together).min()?);
+            one_by_one.into_iter().chain(together).min()
+        };
+        let all = parties.iter().zip(&window.of_party[task]).map(of_party);
+        Held {
+            longest: all.into_iter().try_fold(0, |most, time| Some(time?.max(most))),
+            apart: self.apart(window, parties, &with_wait),
         }
-        Some(longest)
     }
 
     /// Returns the greatest duration of turns of these automata in one job, together, with the given cost of
@@ -387,10 +398,27 @@ impl<'s> Analysis<'s> {
         alone: bool,
         from_grant: bool,
     ) -> Option<u64> {
+        let demands = [false, true].map(|apart| {
+            let mut demand = self.demand(task, rivals, alone, from_grant, apart)?;
+            demand.once = demand.once.checked_add(work)?;
+            demand.longest_busy(1)
+        });
+        demands.into_iter().flatten().min()
+    }
+
+    /// Returns the demand of rivals. `apart`: the work of activities that begin counts once.
+    fn demand(
+        &self,
+        task: TaskId,
+        rivals: &Rivals,
+        alone: bool,
+        from_grant: bool,
+        apart: bool,
+    ) -> Option<Demand> {
         let mut demand = Demand {
             jobs: Vec::new(),
             stretches: rivals.stretches.iter().copied().collect::<Option<_>>()?,
-            once: rivals.control?.checked_add(work)?,
+            once: rivals.control?,
         };
         for job in &rivals.jobs {
             let started = self.started[job.task];
@@ -405,12 +433,17 @@ impl<'s> Analysis<'s> {
             }
             if !alone && work > 0 {
                 let jobs = self.jobs(job.task, work, over)?;
+                let least = if over > 0 { job.start? } else { 0 };
+                let apart = job.apart.filter(|_| apart);
+                let apart =
+                    apart.map(|Apart { each, begins }| Apart { each: each.max(least), begins });
+                let jobs = jobs.with(apart);
                 let wait = self.bounds[task].filter(|_| from_grant).map(|bound| bound.wait);
                 let in_phase = |wait| self.in_phase(task, job.task, jobs.clone(), u64::from(wait));
                 demand.jobs.push(wait.map_or_else(|| jobs.clone(), in_phase));
             }
         }
-        demand.longest_busy(1)
+        Some(demand)
     }
 
     /// Returns the jobs of a task with this much work in each, if the task is periodic. Each job takes at
@@ -424,7 +457,7 @@ impl<'s> Analysis<'s> {
             _ if self.system.runs_apart(task) => Kind::Late(3),
             _ => Kind::Late(2),
         };
-        Some(Jobs { period, work, kind, released: Some(u64::MAX) })
+        Some(Jobs { period, work, once: 0, kind, released: Some(u64::MAX) })
     }
 
     /// Returns the jobs of another task in a window that begins at most `width` after the release of a job.
@@ -511,13 +544,14 @@ fn greatest_common_divisor(one: u64, other: u64) -> u64 {
     if other == 0 { one } else { greatest_common_divisor(other, one % other) }
 }
 
-fn turns_in_jobs(system: &TimedSystem, automaton: AutomatonId) -> Ways {
+/// Returns the turns of an automaton in jobs; `begins`: also those that begin an activity.
+fn turns_in_jobs(system: &TimedSystem, automaton: AutomatonId, begins: bool) -> Ways {
     let entry = &system.automata[automaton];
     let machine = system.machine_of(automaton);
     if system.tasks[entry.task].period.is_none() || system.runs_apart(entry.task) {
         return Ways::turns(machine, 0..machine.states.len());
     }
-    let anew = entry.service.map(|_| machine.start);
+    let anew = entry.service.filter(|_| begins).map(|_| machine.start);
     let stop = entry.service.and(machine.stop);
     let begins = anew.into_iter().chain(stop);
     Ways::turns(machine, begins.chain(resumed(machine)))

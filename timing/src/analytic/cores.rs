@@ -3,10 +3,19 @@
 use std::cmp::Reverse;
 
 use super::demand::{Demand, Jobs, Kind, longest_wait};
+use super::rivals::Apart;
 use super::{Analysis, Window};
 use crate::system::loops::can_pause;
 use crate::system::{AutomatonId, Policy, ServiceId, TaskId, Ticks, Yield};
 use typed_index_collections::TiSlice;
+
+/// The longest times for which jobs of a task hold their core.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Held {
+    pub(super) longest: Option<u64>,
+    /// The same, with the work of begun activities apart.
+    pub(super) apart: Option<Apart>,
+}
 
 impl Analysis<'_> {
     /// Returns the longest time, in base units, for which a job can wait for a core, given the longest times
@@ -15,7 +24,19 @@ impl Analysis<'_> {
         &self,
         window: &Window,
         task: TaskId,
-        held: &TiSlice<TaskId, Option<u64>>,
+        held: &TiSlice<TaskId, Held>,
+    ) -> Option<u64> {
+        let ways = [false, true].map(|apart| self.core_wait_with(window, task, held, apart));
+        ways.into_iter().flatten().min()
+    }
+
+    /// See [`Analysis::core_wait`]. `apart`: the work of activities that begin counts once.
+    fn core_wait_with(
+        &self,
+        window: &Window,
+        task: TaskId,
+        held: &TiSlice<TaskId, Held>,
+        apart: bool,
     ) -> Option<u64> {
         let system = self.system;
         let Some(cores) = system.platform.cores else {
@@ -36,9 +57,11 @@ impl Analysis<'_> {
         // Under EDF a job with a later deadline has a core before, or goes after.
         let mut later = Vec::new();
         for other in others {
-            let work = held[other].filter(|_| !self.may_be_endless(other));
+            let Held { longest, apart: work_apart } = held[other];
+            let work = longest.filter(|_| !self.may_be_endless(other));
             let jobs = work.and_then(|work| {
                 self.jobs(other, work, 0)
+                    .map(|jobs| jobs.with(work_apart.filter(|_| apart)))
                     .map(|jobs| self.in_phase(task, other, jobs, 0))
                     .or_else(|| self.jobs_of_requests(window, other, work))
             });
@@ -52,7 +75,7 @@ impl Analysis<'_> {
                 {
                     later.extend(work);
                 }
-                Some(job) => demand.jobs.extend((job.work > 0).then_some(job)),
+                Some(job) => demand.jobs.extend((job.work + job.once > 0).then_some(job)),
                 None => kept += 1,
             }
         }

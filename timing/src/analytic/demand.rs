@@ -2,6 +2,7 @@
 
 use std::cmp::Reverse;
 
+use super::rivals::Apart;
 use crate::system::Ticks;
 
 /// Length of a window above which the analysis gives up.
@@ -16,6 +17,8 @@ pub(super) struct Jobs {
     pub(super) period: Ticks,
     /// Greatest work of a job.
     pub(super) work: u64,
+    /// Greatest work that belongs to some of the jobs only, in all.
+    pub(super) once: u64,
     pub(super) kind: Kind,
     /// Only jobs released at most this long after the beginning of the window count; `None`: none of these.
     pub(super) released: Option<u64>,
@@ -38,7 +41,15 @@ pub(super) enum Kind {
 impl Jobs {
     /// Work that is done once, by one task.
     pub(super) fn once(work: u64) -> Jobs {
-        Jobs { period: Ticks::MAX, work, kind: Kind::Late(1), released: None }
+        Jobs { period: Ticks::MAX, work, once: 0, kind: Kind::Late(1), released: None }
+    }
+
+    /// Returns the same jobs, with the work of begun activities apart if it is known.
+    pub(super) fn with(self, apart: Option<Apart>) -> Jobs {
+        match apart {
+            Some(Apart { each, begins }) => Jobs { work: each, once: begins, ..self },
+            None => self,
+        }
     }
 
     /// Returns the number of releases in a window of this length, including its end, the first of them after
@@ -56,6 +67,11 @@ impl Jobs {
     /// possible: so the next job is released as early as possible. (An earlier window has less of the first
     /// job and at most as much more of the last one.)
     fn demand(&self, window: u64) -> (u64, u64) {
+        let (demand, at_end) = self.demand_of_each(window);
+        (demand.saturating_add(self.once), at_end)
+    }
+
+    fn demand_of_each(&self, window: u64) -> (u64, u64) {
         match self.kind {
             Kind::First(tick) => (self.releases(window, tick).saturating_mul(self.work), 0),
             Kind::Late(carried) => {

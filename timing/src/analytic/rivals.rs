@@ -7,7 +7,9 @@ use super::ways::Ways;
 use super::windows::Requests;
 use super::{Analysis, Window};
 use crate::scn::semantics::LockRule;
-use crate::system::{AutomatonId, CodelId, CodelSet, FOREVER, Machine, TaskId, TimedSystem};
+use crate::system::{
+    AutomatonId, CodelId, CodelSet, FOREVER, Machine, ServiceId, TaskId, TimedSystem,
+};
 
 /// Number of instances of an activity in a window above which its work is unknown.
 const MAX_INSTANCES: u32 = 64;
@@ -31,6 +33,17 @@ pub(super) struct Rival {
     pub(super) start: Option<u64>,
     /// Work in one job.
     pub(super) job: Option<u64>,
+    /// The same, with the work of begun activities apart.
+    pub(super) apart: Option<Apart>,
+}
+
+/// The greatest work of the jobs of a task.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Apart {
+    /// In each job, without activities that begin in it.
+    pub(super) each: u64,
+    /// Of all activities that begin, in the job in which they do.
+    pub(super) begins: u64,
 }
 
 /// Returns, by codel, the codels whose execution can keep it waiting. With locks in order of arrival it also
@@ -83,7 +96,8 @@ impl Analysis<'_> {
                 let most = jobs.max_by_key(|job| job.unwrap_or(u64::MAX));
                 let job = most.unwrap_or(Some(0));
                 if (start, job) != (Some(0), Some(0)) {
-                    out.jobs.push(Rival { task, start, job });
+                    let apart = self.apart(window, parties, &cost);
+                    out.jobs.push(Rival { task, start, job, apart });
                 }
                 continue;
             }
@@ -94,6 +108,43 @@ impl Analysis<'_> {
         }
         out.control = self.control_work(&window.requests, excluded);
         out
+    }
+
+    /// Returns the greatest work in jobs with these parties, given the cost of each codel. Each request begins
+    /// an activity in one job, which has later turns in the others if it pauses.
+    pub(super) fn apart(
+        &self,
+        window: &Window,
+        parties: &[Vec<AutomatonId>],
+        cost: &dyn Fn(CodelId) -> Option<u64>,
+    ) -> Option<Apart> {
+        let turn = |automaton: AutomatonId| self.turns(&[automaton], cost);
+        let limited = |automaton: AutomatonId| {
+            window.requests[self.system.automata[automaton].service?].map(u64::from)
+        };
+        let later = |automaton: AutomatonId| match limited(automaton) {
+            Some(_) => {
+                let machine = self.system.machine_of(automaton);
+                self.later[automaton].costliest(&|state| cost(machine.states[state].codel))
+            }
+            None => turn(automaton),
+        };
+        let mut each = parties.iter().map(|party| {
+            party.iter().try_fold(0u64, |sum, &automaton| sum.checked_add(later(automaton)?))
+        });
+        let mut begins = 0u64;
+        let mut services: Vec<(ServiceId, AutomatonId)> = (parties.iter().flatten())
+            .filter_map(|&automaton| Some((self.system.automata[automaton].service?, automaton)))
+            .collect();
+        services.sort_unstable();
+        services.dedup_by_key(|(service, _)| *service);
+        for (_, automaton) in services {
+            if let Some(often) = limited(automaton) {
+                let more = turn(automaton)?.checked_sub(later(automaton)?)?;
+                begins = begins.checked_add(more.checked_mul(often)?)?;
+            }
+        }
+        Some(Apart { each: each.try_fold(0, |most, each| Some(each?.max(most)))?, begins })
     }
 
     /// Returns the longest execution time of a codel, unless it is unlimited.

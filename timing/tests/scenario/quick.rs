@@ -513,6 +513,29 @@ fn a_codel_that_is_executed_once_counts_once_in_the_cycles_that_wait_for_it() {
 }
 
 #[test]
+fn an_activity_begins_in_one_job_and_keeps_others_waiting_there() {
+    // `low` waits once for `go_start`, whichever of its codels is late.
+    let specification = r"
+        component c {
+            ids { long x; };
+            task t { period 4 ms; codel<start> work() yield pause::start wcet 1 ms; };
+            task low { period 40 ms;
+                codel<start> a(inout x) yield next wcet 1 ms;
+                codel<next> b(inout x) yield last wcet 1 ms;
+                codel<last> d(inout x) yield pause::start wcet 1 ms; };
+            activity go() { task t;
+                codel<start> go_start(inout x) yield pause::wait wcet 2 ms;
+                codel<wait> go_wait() yield pause::wait, ether wcet 1 ms; };
+        };
+    ";
+    let scenario = "client k { delay 90 ms; send c.go; }";
+    insta::assert_snapshot!(bounds(specification, scenario), @r"
+    c.t 6
+    c.low 5
+    ");
+}
+
+#[test]
 fn an_activity_without_pause_counts_once_in_the_cycles_of_its_task() {
     // In a run, `low` takes 7 ms: 1 ms and 2 ms at its tick, and 1 ms four later.
     let busy = r#"
