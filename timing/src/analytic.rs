@@ -43,9 +43,9 @@ use std::cell::OnceCell;
 use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
 use self::cores::Held;
-use self::demand::{Demand, Jobs, Kind};
+use self::demand::{Apart, Demand, Jobs, Kind};
 pub use self::reaction::reaction_bound;
-use self::rivals::{Apart, Rivals, excluded};
+use self::rivals::{Rivals, excluded};
 use self::situations::{Situations, situations};
 use self::ways::{Ways, resumed};
 use self::windows::{Requests, whole_run, windows};

@@ -2,8 +2,7 @@
 
 use std::cmp::Reverse;
 
-use super::demand::{Demand, Jobs, Kind, longest_wait};
-use super::rivals::Apart;
+use super::demand::{Apart, Demand, Jobs, Kind, longest_wait};
 use super::{Analysis, Window};
 use crate::system::loops::can_pause;
 use crate::system::{AutomatonId, Policy, ServiceId, TaskId, Ticks, Yield};

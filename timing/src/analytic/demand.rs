@@ -2,7 +2,6 @@
 
 use std::cmp::Reverse;
 
-use super::rivals::Apart;
 use crate::system::Ticks;
 
 /// Length of a window above which the analysis gives up.
@@ -22,6 +21,15 @@ pub(super) struct Jobs {
     pub(super) kind: Kind,
     /// Only jobs released at most this long after the beginning of the window count; `None`: none of these.
     pub(super) released: Option<u64>,
+}
+
+/// The greatest work of the jobs of a task.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Apart {
+    /// In each job, without activities that begin in it.
+    pub(super) each: u64,
+    /// Of all activities that begin, in the job in which they do.
+    pub(super) begins: u64,
 }
 
 /// The pattern of the jobs of a task.

@@ -2,7 +2,7 @@
 
 use typed_index_collections::TiVec;
 
-use super::demand::Stretches;
+use super::demand::{Apart, Stretches};
 use super::ways::Ways;
 use super::windows::Requests;
 use super::{Analysis, Window};
@@ -35,15 +35,6 @@ pub(super) struct Rival {
     pub(super) job: Option<u64>,
     /// The same, with the work of begun activities apart.
     pub(super) apart: Option<Apart>,
-}
-
-/// The greatest work of the jobs of a task.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Apart {
-    /// In each job, without activities that begin in it.
-    pub(super) each: u64,
-    /// Of all activities that begin, in the job in which they do.
-    pub(super) begins: u64,
 }
 
 /// Returns, by codel, the codels whose execution can keep it waiting. With locks in order of arrival it also
@@ -110,8 +101,8 @@ impl Analysis<'_> {
         out
     }
 
-    /// Returns the greatest work in jobs with these parties, given the cost of each codel. Each request begins
-    /// an activity in one job, which has later turns in the others if it pauses.
+    /// Returns the greatest work in jobs with these parties, given the cost of each codel. Each request
+    /// begins an activity in one job; if it pauses, it has later turns in other jobs.
     pub(super) fn apart(
         &self,
         window: &Window,
