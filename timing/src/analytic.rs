@@ -43,7 +43,7 @@ use std::cell::OnceCell;
 use typed_index_collections::{TiSlice, TiVec, ti_vec};
 
 use self::cores::Held;
-use self::demand::{Apart, Demand, Jobs, Kind};
+use self::demand::{Demand, Jobs, Kind, SplitWork};
 pub use self::reaction::reaction_bound;
 use self::rivals::{Rivals, excluded};
 use self::situations::{Situations, situations};
@@ -362,7 +362,7 @@ impl<'s> Analysis<'s> {
         let all = parties.iter().zip(&window.of_party[task]).map(of_party);
         Held {
             longest: all.into_iter().try_fold(0, |most, time| Some(time?.max(most))),
-            apart: self.apart(window, parties, &with_wait),
+            split: self.split_work(window, parties, &with_wait),
         }
     }
 
@@ -398,22 +398,22 @@ impl<'s> Analysis<'s> {
         alone: bool,
         from_grant: bool,
     ) -> Option<u64> {
-        let demands = [false, true].map(|apart| {
-            let mut demand = self.demand(task, rivals, alone, from_grant, apart)?;
+        let demands = [false, true].map(|split| {
+            let mut demand = self.demand(task, rivals, alone, from_grant, split)?;
             demand.once = demand.once.checked_add(work)?;
             demand.longest_busy(1)
         });
         demands.into_iter().flatten().min()
     }
 
-    /// Returns the demand of rivals. `apart`: the work of activities that begin counts once.
+    /// Returns the demand of rivals. `split`: jobs count with their [split work](SplitWork).
     fn demand(
         &self,
         task: TaskId,
         rivals: &Rivals,
         alone: bool,
         from_grant: bool,
-        apart: bool,
+        split: bool,
     ) -> Option<Demand> {
         let mut demand = Demand {
             jobs: Vec::new(),
@@ -434,10 +434,9 @@ impl<'s> Analysis<'s> {
             if !alone && work > 0 {
                 let jobs = self.jobs(job.task, work, over)?;
                 let least = if over > 0 { job.start? } else { 0 };
-                let apart = job.apart.filter(|_| apart);
-                let apart =
-                    apart.map(|Apart { each, begins }| Apart { each: each.max(least), begins });
-                let jobs = jobs.with(apart);
+                let split = job.split.filter(|_| split);
+                let jobs =
+                    jobs.with(split.map(|work| SplitWork { each: work.each.max(least), ..work }));
                 let wait = self.bounds[task].filter(|_| from_grant).map(|bound| bound.wait);
                 let in_phase = |wait| self.in_phase(task, job.task, jobs.clone(), u64::from(wait));
                 demand.jobs.push(wait.map_or_else(|| jobs.clone(), in_phase));

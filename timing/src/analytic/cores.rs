@@ -2,7 +2,7 @@
 
 use std::cmp::Reverse;
 
-use super::demand::{Apart, Demand, Jobs, Kind, longest_wait};
+use super::demand::{Demand, Jobs, Kind, SplitWork, longest_wait};
 use super::{Analysis, Window};
 use crate::system::loops::can_pause;
 use crate::system::{AutomatonId, Policy, ServiceId, TaskId, Ticks, Yield};
@@ -12,8 +12,8 @@ use typed_index_collections::TiSlice;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Held {
     pub(super) longest: Option<u64>,
-    /// The same, with the work of begun activities apart.
-    pub(super) apart: Option<Apart>,
+    /// The times of the jobs, split.
+    pub(super) split: Option<SplitWork>,
 }
 
 impl Analysis<'_> {
@@ -25,17 +25,17 @@ impl Analysis<'_> {
         task: TaskId,
         held: &TiSlice<TaskId, Held>,
     ) -> Option<u64> {
-        let ways = [false, true].map(|apart| self.core_wait_with(window, task, held, apart));
+        let ways = [false, true].map(|split| self.core_wait_with(window, task, held, split));
         ways.into_iter().flatten().min()
     }
 
-    /// See [`Analysis::core_wait`]. `apart`: the work of activities that begin counts once.
+    /// See [`Analysis::core_wait`]. `split`: jobs count with their [split work](SplitWork).
     fn core_wait_with(
         &self,
         window: &Window,
         task: TaskId,
         held: &TiSlice<TaskId, Held>,
-        apart: bool,
+        split: bool,
     ) -> Option<u64> {
         let system = self.system;
         let Some(cores) = system.platform.cores else {
@@ -56,11 +56,11 @@ impl Analysis<'_> {
         // Under EDF a job with a later deadline has a core before, or goes after.
         let mut later = Vec::new();
         for other in others {
-            let Held { longest, apart: work_apart } = held[other];
+            let Held { longest, split: split_work } = held[other];
             let work = longest.filter(|_| !self.may_be_endless(other));
             let jobs = work.and_then(|work| {
                 self.jobs(other, work, 0)
-                    .map(|jobs| jobs.with(work_apart.filter(|_| apart)))
+                    .map(|jobs| jobs.with(split_work.filter(|_| split)))
                     .map(|jobs| self.in_phase(task, other, jobs, 0))
                     .or_else(|| self.jobs_of_requests(window, other, work))
             });

@@ -23,12 +23,12 @@ pub(super) struct Jobs {
     pub(super) released: Option<u64>,
 }
 
-/// The greatest work of the jobs of a task.
+/// The greatest work of the jobs of a task, split into that of every job and that of single jobs.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Apart {
+pub(super) struct SplitWork {
     /// In each job, without activities that begin in it.
     pub(super) each: u64,
-    /// Of all activities that begin, in the job in which they do.
+    /// Of all activities together, in the jobs in which they begin.
     pub(super) begins: u64,
 }
 
@@ -52,10 +52,10 @@ impl Jobs {
         Jobs { period: Ticks::MAX, work, once: 0, kind: Kind::Late(1), released: None }
     }
 
-    /// Returns the same jobs, with the work of begun activities apart if it is known.
-    pub(super) fn with(self, apart: Option<Apart>) -> Jobs {
-        match apart {
-            Some(Apart { each, begins }) => Jobs { work: each, once: begins, ..self },
+    /// Returns the same jobs, with their work split if that is known.
+    pub(super) fn with(self, split: Option<SplitWork>) -> Jobs {
+        match split {
+            Some(SplitWork { each, begins }) => Jobs { work: each, once: begins, ..self },
             None => self,
         }
     }
@@ -79,6 +79,7 @@ impl Jobs {
         (demand.saturating_add(self.once), at_end)
     }
 
+    /// The same, without the work that belongs to some jobs only.
     fn demand_of_each(&self, window: u64) -> (u64, u64) {
         match self.kind {
             Kind::First(tick) => (self.releases(window, tick).saturating_mul(self.work), 0),
@@ -245,7 +246,7 @@ impl Demand {
 }
 
 /// Returns the longest wait for a core: the greatest *x* for which cores · *x* ≤ Σ min(work, *x*), rounded
-/// up. Returns `None` if there is no core.
+/// up. Returns `None` without cores.
 pub(super) fn longest_wait(cores: u64, mut works: Vec<u64>) -> Option<u64> {
     works.sort_unstable_by_key(|&work| Reverse(work));
     let mut rest = works.iter().try_fold(0u64, |sum, &work| sum.checked_add(work))?;

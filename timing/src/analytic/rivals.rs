@@ -2,7 +2,7 @@
 
 use typed_index_collections::TiVec;
 
-use super::demand::{Apart, Stretches};
+use super::demand::{SplitWork, Stretches};
 use super::ways::Ways;
 use super::windows::Requests;
 use super::{Analysis, Window};
@@ -33,8 +33,8 @@ pub(super) struct Rival {
     pub(super) start: Option<u64>,
     /// Work in one job.
     pub(super) job: Option<u64>,
-    /// The same, with the work of begun activities apart.
-    pub(super) apart: Option<Apart>,
+    /// The work of the jobs, split.
+    pub(super) split: Option<SplitWork>,
 }
 
 /// Returns, by codel, the codels whose execution can keep it waiting. With locks in order of arrival it also
@@ -87,8 +87,8 @@ impl Analysis<'_> {
                 let most = jobs.max_by_key(|job| job.unwrap_or(u64::MAX));
                 let job = most.unwrap_or(Some(0));
                 if (start, job) != (Some(0), Some(0)) {
-                    let apart = self.apart(window, parties, &cost);
-                    out.jobs.push(Rival { task, start, job, apart });
+                    let split = self.split_work(window, parties, &cost);
+                    out.jobs.push(Rival { task, start, job, split });
                 }
                 continue;
             }
@@ -103,12 +103,12 @@ impl Analysis<'_> {
 
     /// Returns the greatest work in jobs with these parties, given the cost of each codel. Each request
     /// begins an activity in one job; if it pauses, it has later turns in other jobs.
-    pub(super) fn apart(
+    pub(super) fn split_work(
         &self,
         window: &Window,
         parties: &[Vec<AutomatonId>],
         cost: &dyn Fn(CodelId) -> Option<u64>,
-    ) -> Option<Apart> {
+    ) -> Option<SplitWork> {
         let turn = |automaton: AutomatonId| self.turns(&[automaton], cost);
         let limited = |automaton: AutomatonId| {
             window.requests[self.system.automata[automaton].service?].map(u64::from)
@@ -135,7 +135,7 @@ impl Analysis<'_> {
                 begins = begins.checked_add(more.checked_mul(often)?)?;
             }
         }
-        Some(Apart { each: each.try_fold(0, |most, each| Some(each?.max(most)))?, begins })
+        Some(SplitWork { each: each.try_fold(0, |most, each| Some(each?.max(most)))?, begins })
     }
 
     /// Returns the longest execution time of a codel, unless it is unlimited.

@@ -22,7 +22,7 @@ const MENUS = {
 export async function offer(menu: keyof typeof MENUS, uri: string, at: Range): Promise<void> {
   await reveal(uri, at);
   const [command, kind] = MENUS[menu];
-  // An automatic request that follows the move of the cursor by half a second would drop a slower answer.
+  // So the menu has its answer at once: the next automatic request of the editor can cancel a slow one.
   await vscode.commands.executeCommand('vscode.executeCodeActionProvider', vscode.Uri.parse(uri), range(at), kind.value);
   await vscode.commands.executeCommand(command);
 }

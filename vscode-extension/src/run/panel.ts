@@ -175,7 +175,7 @@ async function offerStubs(component: string | undefined): Promise<void> {
   const symbols = await vscode.commands.executeCommand<vscode.SymbolInformation[]>('vscode.executeWorkspaceSymbolProvider', component);
   const at = symbols.find((it) => it.name === component)?.location;
   if (at === undefined) {
-    void vscode.window.showWarningMessage(`No specification of the component ${component} is in this folder, so no stubs can be written.`);
+    void vscode.window.showWarningMessage(`The component ${component} was not found in this workspace. Open its specification to write its stubs.`);
     return;
   }
   const { start } = at.range;

@@ -116,21 +116,24 @@ impl Window<'_> {
             |thread: usize| thread < tasks && !self.system.needs_core(TaskId::from(thread));
         let length = self.length(job.task, job.cycle, Some(known), &waits_for)?;
         let rivals = self.rivals_for_cores(job, known, &|_| true);
-        let goes_first = |rival: &&Rival| match job.cycle {
-            Cycle::StartUp => chain.iter().any(|&task| self.goes_first(task, rival)),
-            _ => self.goes_first(job.task, rival),
-        };
-        let mut rivals = rivals.iter().filter(goes_first);
+        let own = [job.task];
+        let waiting = if job.cycle == Cycle::StartUp { chain } else { &own };
+        let last = waiting.iter().map(|&task| self.last_priority(task)).max();
+        let mut rivals =
+            rivals.iter().filter(|rival| last.is_some_and(|last| self.goes_first(rival, last)));
         rivals.try_fold(u64::from(length), |sum, rival| sum.checked_add(rival.time?))
     }
 
-    /// Returns true if a thread can have a core while a job has none, or while a thread has none that is
-    /// ahead of the job in the lock queue.
-    fn goes_first(&self, task: TaskId, rival: &Rival) -> bool {
-        let of = |thread: usize| self.priorities[thread];
-        let last = self.threads_ahead(task).into_iter().chain([usize::from(task)]).map(of).max();
-        self.system.platform.policy != Policy::Priority
-            || last.is_some_and(|last| of(rival.thread) <= last)
+    /// Returns the priority of the last thread that can have a core while a job has none, or while a thread
+    /// ahead of the job in the lock queue has none.
+    fn last_priority(&self, task: TaskId) -> u64 {
+        let threads = self.threads_ahead(task).into_iter().chain([usize::from(task)]);
+        threads.map(|thread| self.priorities[thread]).max().unwrap_or(u64::MAX)
+    }
+
+    /// Returns true if a rival does not go after all threads of a priority.
+    fn goes_first(&self, rival: &Rival, last: u64) -> bool {
+        self.system.platform.policy != Policy::Priority || self.priorities[rival.thread] <= last
     }
 
     /// Returns the longest time of a job and its wait for cores; `length` is the time without that wait.
@@ -140,7 +143,8 @@ impl Window<'_> {
             return None;
         }
         let mut rivals = self.rivals_for_cores(job, known, &|_| true);
-        rivals.retain(|rival| self.goes_first(job.task, rival));
+        let last = self.last_priority(job.task);
+        rivals.retain(|rival| self.goes_first(rival, last));
         let waits = |rivals: &[Rival]| {
             let works: Vec<u64> = rivals.iter().filter_map(|rival| rival.time).collect();
             let endless = (rivals.len() - works.len()) as u64;

@@ -80,6 +80,7 @@ impl<'s> Turns<'s> {
         };
         Ticks::try_from(length).ok().filter(|_| !own.is_endless)
     }
+
     /// Returns the longest time of an activity in a cycle in which it does not begin: none without a pause.
     pub(super) fn later(
         &self,

@@ -119,7 +119,7 @@ pub enum Reason {
     NothingPeriodic,
     /// Every group of tasks has codels with a least time above 0, or is observed.
     NothingToPutOff,
-    /// There is no polling loop.
+    /// The system has no polling loop.
     NothingRests,
     /// Only early events are of interest.
     InOrder,

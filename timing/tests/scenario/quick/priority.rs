@@ -6,7 +6,7 @@ use super::{bounds_of, bounds_under, periodic};
 
 #[test]
 fn under_priorities_a_thread_at_the_head_of_the_queue_without_a_core_keeps_others_waiting() {
-    // `lo` excludes nobody. But `hi` waits behind its ticket while `mid` has the core.
+    // `lo` excludes no codel. But `hi` waits behind its ticket while `mid` has the core.
     let specification = r"
         component c {
             ids { long x; long y; };
@@ -85,4 +85,44 @@ fn an_activity_with_pauses_begins_in_one_cycle_of_its_task() {
     busy.t 3
     low.t 11
     ");
+}
+
+#[test]
+fn the_work_of_a_thread_that_holds_a_lock_counts_once() {
+    // `a` waits for `b` before its codel, or `b` goes first: not both.
+    let two = r"
+        component two {
+            ids { long x; };
+            task a { period 10 ms; codel<start> a(inout x) yield pause::start wcet 1 ms; };
+            task b { period 10 ms; codel<start> b(inout x) yield pause::start wcet 4 ms; };
+        };
+    ";
+    let other = periodic("other", "period 10 ms;", 3);
+    let scenario = "cores 1; policy priority;";
+    insta::assert_snapshot!(bounds_of(Preset::Servers, &[two, &other], scenario), @r"
+    two.a 8
+    two.b 8
+    other.t 8
+    ");
+}
+
+#[test]
+fn a_thread_ahead_that_goes_after_a_job_has_no_core_while_the_job_waits() {
+    // `hi` takes 1 ms, and `lo` 2 ms before it. While one of them waits, both cores are at work for the
+    // others: 24 ms, on two cores.
+    let waiting = r"
+        component waiting {
+            ids { long x; };
+            task hi { period 40 ms; priority 5; codel<start> a(inout x) yield pause::start wcet 1 ms; };
+            task lo { period 40 ms; priority 9; codel<start> b(inout x) yield pause::start wcet 2 ms; };
+        };
+    ";
+    let others =
+        [("p", 1, 4), ("q", 1, 4), ("mid", 7, 8), ("next", 7, 8)].map(|(name, priority, wcet)| {
+            periodic(name, &format!("period 40 ms; priority {priority};"), wcet)
+        });
+    let [p, q, mid, next] = &others;
+    let all = [waiting, p, q, mid, next];
+    let bounds = bounds_of(Preset::Servers, &all, "cores 2; policy priority;");
+    assert!(bounds.starts_with("waiting.hi 15\n"), "{bounds}");
 }
